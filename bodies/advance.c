@@ -1,0 +1,267 @@
+/* How each body moves alone: the drift and kick of the step, free rotation, prescribed coordinates. */
+#include "bodies/bodies.h"
+
+#include "bodies/elementary.h"
+
+#include <string.h>
+
+/* Sine and cosine of an angle that is small in every sensible step; the short series is exact to rounding there. */
+static inline void sincos_small(double x, double *sine, double *cosine) {
+    double z = x * x;
+    if (!(z < 4e-4)) {
+        scree_sincos(x, sine, cosine);
+        return;
+    }
+    /* Estrin's order: these two are on the critical path of a rotating body. */
+    double zz = z * z;
+    *sine = x * ((1.0 - z * (1.0 / 6.0)) + zz * (1.0 / 120.0 - z * (1.0 / 5040.0)));
+    *cosine = (1.0 - 0.5 * z) + zz * ((1.0 / 24.0 - z * (1.0 / 720.0)) + zz * (1.0 / 40320.0));
+}
+
+/* The quaternion of a turn by `angle` about the unit vector `axis`. */
+static struct quat turn_about(struct vec axis, double angle) {
+    double s, c;
+    sincos_small(0.5 * angle, &s, &c);
+    return (struct quat){c, s * axis.x, s * axis.y, s * axis.z};
+}
+
+/* Turn a body about its own axis k by twice the angle `half`; p is its angular momentum in body axes. */
+static inline void turn_axis(int k, double half, struct quat *q, struct vec *p) {
+    double s, c;
+    sincos_small(half, &s, &c);
+    double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
+    struct quat o = *q;
+    struct vec m = *p;
+    if (k == 0) {
+        *q = (struct quat){c * o.w - s * o.x, c * o.x + s * o.w, c * o.y + s * o.z, c * o.z - s * o.y};
+        *p = vec(m.x, cosine * m.y + sine * m.z, cosine * m.z - sine * m.y);
+    } else if (k == 1) {
+        *q = (struct quat){c * o.w - s * o.y, c * o.x - s * o.z, c * o.y + s * o.w, c * o.z + s * o.x};
+        *p = vec(cosine * m.x - sine * m.z, m.y, cosine * m.z + sine * m.x);
+    } else {
+        *q = (struct quat){c * o.w - s * o.z, c * o.x + s * o.y, c * o.y - s * o.x, c * o.z + s * o.w};
+        *p = vec(cosine * m.x + sine * m.y, cosine * m.y - sine * m.x, m.z);
+    }
+}
+
+/* Free rotation for time t by turns about the body's principal axes (Dullweber, Leimkuhler & McLachlan 1997): each is
+ * exact, so the angular momentum in the world is kept to rounding. In the order x, y, z for the first half of a
+ * step and z, y, x for the second, which makes the step symmetric in time and of second order. */
+static struct quat rotate_freely(struct quat q, struct vec l, const double inverse_moments[3], double t, int second) {
+    struct mat frame = quat_to_mat(q);
+    struct vec p = mat_undo(&frame, l);
+    double a = 0.5 * t * inverse_moments[0], b = 0.5 * t * inverse_moments[1], c = 0.5 * t * inverse_moments[2];
+    if (!second) {
+        turn_axis(0, a * p.x, &q, &p);
+        turn_axis(1, b * p.y, &q, &p);
+        turn_axis(2, c * p.z, &q, &p);
+        return q;
+    }
+    turn_axis(2, c * p.z, &q, &p);
+    turn_axis(1, b * p.y, &q, &p);
+    turn_axis(0, a * p.x, &q, &p);
+    /* One Newton step towards unit length: rounding can't build up. */
+    double s = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return (struct quat){s * q.w, s * q.x, s * q.y, s * q.z};
+}
+
+/* Turn for time t at the given angular momentum, whatever the joint. `angle` is that of a driven turn at the end. */
+static struct quat rotate(const struct scree_attitude *attitude, const struct scree_inertia *inertia,
+                          const scree_joint *joint, struct quat q, struct vec l, double t, int second, double angle) {
+    struct vec axis = vec_from(attitude->axis);
+    if (joint->turn == SCREE_FIXED) return q;
+    if (joint->turn == SCREE_DRIVEN) return quat_multiply(turn_about(axis, angle), quat_from(attitude->start));
+    if (attitude->inverse_hinge == 0.0) return rotate_freely(q, l, inertia->inverse_moments, t, second);
+    return quat_normalise(quat_multiply(turn_about(axis, attitude->inverse_hinge * vec_dot(axis, l) * t), q));
+}
+
+/* Spin in the world at angular momentum l; `rate` is that of a driven turn. */
+static struct vec spin_at(const struct scree_attitude *attitude, const struct scree_inertia *inertia,
+                          const scree_joint *joint, const struct mat *frame, struct vec l, double rate) {
+    struct vec axis = vec_from(attitude->axis);
+    if (joint->turn == SCREE_FIXED) return vec(0.0, 0.0, 0.0);
+    if (joint->turn == SCREE_DRIVEN) return vec_scale(rate, axis);
+    if (attitude->inverse_hinge != 0.0) return vec_scale(attitude->inverse_hinge * vec_dot(axis, l), axis);
+    return mat_apply(frame, vec_times(vec_from(inertia->inverse_moments), mat_undo(frame, l)));
+}
+
+static void place_corners(const struct scree_attitude *attitude, double (*corner)[4]) {
+    struct vec a = vec_scale(attitude->half[0], attitude->frame.column[0]);
+    struct vec b = vec_scale(attitude->half[1], attitude->frame.column[1]);
+    struct vec c = vec_scale(attitude->half[2], attitude->frame.column[2]);
+    for (int k = 0; k < 8; k++) {
+        struct vec p = k & 1 ? a : vec_scale(-1.0, a);
+        p = k & 2 ? vec_add(p, b) : vec_sub(p, b);
+        p = k & 4 ? vec_add(p, c) : vec_sub(p, c);
+        vec_store(p, corner[k]);
+    }
+}
+
+/* Set the attitude that contacts see, and what follows from it. */
+static void face(struct scree_bodies *bodies, int index, struct quat q) {
+    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    attitude->ahead = q;
+    attitude->frame = quat_to_mat(q);
+    if (bodies->shape[index].kind == SCREE_BOX) place_corners(attitude, bodies->corner + 1 + 8 * bodies->slot[index]);
+}
+
+static struct scree_motion_value drive(const struct scree_bodies *bodies, int motion, double time) {
+    return scree_motion_at(&bodies->motion[motion], time);
+}
+
+/* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
+ * half a step from now. Written so that a NaN counts as too far. */
+static int outgrown(struct scree_record *record, double way, double margin) {
+    record->path += way;
+    return !(record->path + 0.5 * way <= margin);
+}
+
+static void clear_loads(struct scree_record *record) {
+    memset(record->f, 0, sizeof record->f);
+    memset(record->t, 0, sizeof record->t);
+}
+
+static int look_ahead_ball(struct scree_record *record, const struct scree_state *state,
+                           const struct scree_inertia *inertia, double step, const double gravity[3], double margin) {
+    double speed2 = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double kick = inertia->inverse_mass[k] * record->f[k] + step * gravity[k];
+        record->x[k] = state->x[k] + 0.5 * step * state->v[k];
+        record->v[k] = state->v[k] + 0.5 * kick;
+        record->w[k] = inertia->inverse_moments[0] * (state->l[k] + 0.5 * record->t[k]);
+        record->f[k] = record->t[k] = 0.0;
+        speed2 += state->v[k] * state->v[k];
+    }
+    return outgrown(record, step * sqrt(speed2), margin);
+}
+
+static int look_ahead_general(struct scree_bodies *bodies, int index, double time, double step, const double gravity[3],
+                              double margin) {
+    struct scree_record *record = &bodies->record[index];
+    const struct scree_state *state = &bodies->state[index];
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    const scree_joint *joint = &bodies->joint[index];
+    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    struct vec before = vec_from(record->x);
+    double middle = time + 0.5 * step;
+    for (int k = 0; k < 3; k++) {
+        if (joint->along[k] == SCREE_DRIVEN) {
+            struct scree_motion_value value = drive(bodies, joint->along_motion[k], middle);
+            record->x[k] = bodies->origin[index][k] + value.position;
+            record->v[k] = value.velocity;
+        } else if (joint->along[k] == SCREE_FREE) {
+            record->x[k] = state->x[k] + 0.5 * step * state->v[k];
+            record->v[k] = state->v[k] + 0.5 * (inertia->inverse_mass[k] * record->f[k] + step * gravity[k]);
+        }
+    }
+    struct scree_motion_value turn = {0};
+    if (joint->turn == SCREE_DRIVEN) turn = drive(bodies, joint->turn_motion, middle);
+    struct vec l = vec_from(state->l);
+    face(bodies, index, rotate(attitude, inertia, joint, quat_from(attitude->q), l, 0.5 * step, 0, turn.position));
+    struct vec predicted = vec_axpy(l, 0.5, vec_from(record->t));
+    struct vec spin = spin_at(attitude, inertia, joint, &attitude->frame, predicted, turn.velocity);
+    vec_store(spin, record->w);
+    clear_loads(record);
+    /* A plane turns about its normal only, so its turning moves no surface. */
+    double reach = bodies->shape[index].kind == SCREE_PLANE ? 0.0 : record->bound;
+    double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(spin) * reach;
+    return outgrown(record, way, margin);
+}
+
+int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                            double margin) {
+    int too_far = 0;
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] == SCREE_CLASS_BALL)
+            too_far |=
+                look_ahead_ball(&bodies->record[k], &bodies->state[k], &bodies->inertia[k], step, gravity, margin);
+        else if (bodies->class[k] == SCREE_CLASS_FIXED)
+            clear_loads(&bodies->record[k]);
+        else
+            too_far |= look_ahead_general(bodies, k, time, step, gravity, margin);
+    }
+    return too_far;
+}
+
+static void advance_ball(const struct scree_record *record, struct scree_state *state,
+                         const struct scree_inertia *inertia, double step, const double gravity[3]) {
+    for (int k = 0; k < 3; k++) {
+        state->v[k] += inertia->inverse_mass[k] * record->f[k] + step * gravity[k];
+        state->x[k] = record->x[k] + 0.5 * step * state->v[k];
+        state->l[k] += record->t[k];
+    }
+}
+
+static void advance_general(struct scree_bodies *bodies, int index, double time, double step, const double gravity[3]) {
+    const struct scree_record *record = &bodies->record[index];
+    struct scree_state *state = &bodies->state[index];
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    const scree_joint *joint = &bodies->joint[index];
+    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    double end = time + step, angle = 0.0;
+    for (int k = 0; k < 3; k++) {
+        if (joint->along[k] == SCREE_DRIVEN) {
+            struct scree_motion_value value = drive(bodies, joint->along_motion[k], end);
+            state->x[k] = bodies->origin[index][k] + value.position;
+            state->v[k] = value.velocity;
+        } else if (joint->along[k] == SCREE_FREE) {
+            state->v[k] += inertia->inverse_mass[k] * record->f[k] + step * gravity[k];
+            state->x[k] = record->x[k] + 0.5 * step * state->v[k];
+        }
+    }
+    if (joint->turn == SCREE_DRIVEN) angle = drive(bodies, joint->turn_motion, end).position;
+    if (joint->turn == SCREE_FREE)
+        for (int k = 0; k < 3; k++) state->l[k] += record->t[k];
+    quat_store(rotate(attitude, inertia, joint, attitude->ahead, vec_from(state->l), 0.5 * step, 1, angle),
+               attitude->q);
+}
+
+void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] == SCREE_CLASS_BALL)
+            advance_ball(&bodies->record[k], &bodies->state[k], &bodies->inertia[k], step, gravity);
+        else if (bodies->class[k] == SCREE_CLASS_GENERAL)
+            advance_general(bodies, k, time, step, gravity);
+    }
+}
+
+struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, double time) {
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    const scree_joint *joint = &bodies->joint[index];
+    struct vec l = vec_from(bodies->state[index].l);
+    if (bodies->slot[index] < 0) return vec_scale(inertia->inverse_moments[0], l);
+    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    struct mat frame = quat_to_mat(quat_from(attitude->q));
+    double rate = joint->turn == SCREE_DRIVEN ? drive(bodies, joint->turn_motion, time).velocity : 0.0;
+    return spin_at(attitude, inertia, joint, &frame, l, rate);
+}
+
+void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow) {
+    for (int k = 0; shadow != bodies && k < bodies->count; k++) shadow->record[k] = bodies->record[k];
+    for (int k = 0; shadow != bodies && k < bodies->attitudes; k++) shadow->attitude[k] = bodies->attitude[k];
+    for (int k = 0; k < bodies->count; k++) {
+        struct scree_record *record = &shadow->record[k];
+        memcpy(record->x, bodies->state[k].x, sizeof record->x);
+        memcpy(record->v, bodies->state[k].v, sizeof record->v);
+        vec_store(scree_bodies_spin(bodies, k, time), record->w);
+        clear_loads(record);
+        if (shadow->slot[k] >= 0) face(shadow, k, quat_from(shadow->attitude[shadow->slot[k]].q));
+    }
+}
+
+void scree_bodies_start(struct scree_bodies *bodies, double time) {
+    for (int k = 0; k < bodies->count; k++) {
+        const scree_joint *joint = &bodies->joint[k];
+        for (int axis = 0; axis < 3; axis++) {
+            if (joint->along[axis] != SCREE_DRIVEN) continue;
+            struct scree_motion_value value = drive(bodies, joint->along_motion[axis], time);
+            bodies->state[k].x[axis] = bodies->origin[k][axis] + value.position;
+            bodies->state[k].v[axis] = value.velocity;
+        }
+        if (joint->turn != SCREE_DRIVEN) continue;
+        struct scree_attitude *attitude = &bodies->attitude[bodies->slot[k]];
+        double angle = drive(bodies, joint->turn_motion, time).position;
+        quat_store(quat_multiply(turn_about(vec_from(attitude->axis), angle), quat_from(attitude->start)), attitude->q);
+    }
+    scree_bodies_look_now(bodies, time, bodies);
+}

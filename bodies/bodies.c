@@ -1,0 +1,164 @@
+/* The bodies of a scene: making them from definitions, and their copies for measurements. */
+#include "bodies/bodies.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Stands for "no limit" where an infinity would turn into a NaN (0 x infinity). */
+static const double unlimited = 1e300;
+
+/* Zeroed memory on a boundary of 64 bytes, so that a four-wide load never straddles cache lines. */
+static void *aligned_zeroed(size_t count, size_t size) {
+    if (count == 0) count = 1;
+    if (count > SIZE_MAX / 2 / size) return NULL;
+    size_t bytes = (count * size + 63) / 64 * 64;
+    void *memory = aligned_alloc(64, bytes);
+    if (memory) memset(memory, 0, bytes);
+    return memory;
+}
+
+scree_status scree_bodies_create(struct scree_bodies *bodies, int count, scree_trouble *trouble) {
+    size_t n = (size_t)count;
+    *bodies = (struct scree_bodies){.count = count};
+    bodies->record = aligned_zeroed(n, sizeof *bodies->record);
+    bodies->state = aligned_zeroed(n, sizeof *bodies->state);
+    bodies->inertia = aligned_zeroed(n, sizeof *bodies->inertia);
+    bodies->class = aligned_zeroed(n, sizeof *bodies->class);
+    bodies->shape = aligned_zeroed(n, sizeof *bodies->shape);
+    bodies->joint = aligned_zeroed(n, sizeof *bodies->joint);
+    bodies->material = aligned_zeroed(n, sizeof *bodies->material);
+    bodies->origin = aligned_zeroed(n, sizeof *bodies->origin);
+    bodies->slot = aligned_zeroed(n, sizeof *bodies->slot);
+    bodies->name = aligned_zeroed(n, sizeof *bodies->name);
+    if (bodies->record && bodies->state && bodies->inertia && bodies->class && bodies->shape && bodies->joint &&
+        bodies->material && bodies->origin && bodies->slot && bodies->name)
+        return SCREE_OK;
+    scree_bodies_destroy(bodies);
+    return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d bodies", count);
+}
+
+void scree_bodies_destroy(struct scree_bodies *bodies) {
+    for (int k = 0; bodies->name && k < bodies->count; k++) free(bodies->name[k]);
+    for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
+    free(bodies->record);
+    free(bodies->state);
+    free(bodies->inertia);
+    free(bodies->class);
+    free(bodies->shape);
+    free(bodies->joint);
+    free(bodies->material);
+    free(bodies->origin);
+    free(bodies->slot);
+    free(bodies->attitude);
+    free(bodies->corner);
+    free(bodies->motion);
+    free(bodies->name);
+    *bodies = (struct scree_bodies){0};
+}
+
+static enum scree_body_class classify(const scree_body_def *def) {
+    if (scree_joint_is_fixed(&def->joint)) return SCREE_CLASS_FIXED;
+    const scree_joint *joint = &def->joint;
+    int free_axes = !joint->along[0] && !joint->along[1] && !joint->along[2] && !joint->turn;
+    int hinged = joint->axis[0] != 0.0 || joint->axis[1] != 0.0 || joint->axis[2] != 0.0;
+    return def->shape.kind == SCREE_SPHERE && free_axes && !hinged ? SCREE_CLASS_BALL : SCREE_CLASS_GENERAL;
+}
+
+static void set_inertia(struct scree_inertia *inertia, const scree_body_def *def, double density) {
+    double mass = def->mass > 0.0 ? def->mass : density * scree_shape_volume(&def->shape);
+    double moments[3];
+    scree_shape_inertia(&def->shape, moments);
+    inertia->mass = mass;
+    for (int k = 0; k < 3; k++) {
+        inertia->inverse_mass[k] = def->joint.along[k] == SCREE_FREE ? 1.0 / mass : 0.0;
+        inertia->moments[k] = mass * moments[k];
+        inertia->inverse_moments[k] = def->joint.turn == SCREE_FREE ? 1.0 / inertia->moments[k] : 0.0;
+    }
+}
+
+void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density) {
+    struct scree_record *record = &bodies->record[index];
+    struct scree_state *state = &bodies->state[index];
+    bodies->shape[index] = def->shape;
+    bodies->joint[index] = def->joint;
+    bodies->material[index] = def->material;
+    bodies->class[index] = classify(def);
+    set_inertia(&bodies->inertia[index], def, density);
+    for (int k = 0; k < 3; k++) {
+        bodies->origin[index][k] = state->x[k] = record->x[k] = def->position[k];
+        state->v[k] = def->velocity[k];
+        state->l[k] = bodies->inertia[index].moments[0] * def->spin[k]; /* right for balls; finish does the others */
+    }
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    record->inverse_mass = fmax(inertia->inverse_mass[0], fmax(inertia->inverse_mass[1], inertia->inverse_mass[2]));
+    record->radius = def->shape.kind == SCREE_SPHERE ? def->shape.radius : 0.0;
+    if (def->shape.kind == SCREE_BOX) record->radius = def->shape.rounding;
+    record->limit = fmin(0.5 * scree_shape_half_width(&def->shape), unlimited);
+    record->bound = fmin(scree_shape_bound(&def->shape), unlimited);
+}
+
+static struct quat start_attitude(const scree_body_def *def) {
+    const double *q = def->orientation;
+    if (q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0) return (struct quat){1.0, 0.0, 0.0, 0.0};
+    return quat_normalise(quat_from(q));
+}
+
+static void set_attitude(struct scree_bodies *bodies, int index, const scree_body_def *def) {
+    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    struct quat q = start_attitude(def);
+    attitude->ahead = q;
+    attitude->frame = quat_to_mat(q);
+    quat_store(q, attitude->q);
+    quat_store(q, attitude->start);
+    double core = def->shape.kind == SCREE_BOX ? def->shape.rounding : 0.0;
+    for (int k = 0; k < 3; k++) attitude->half[k] = 0.5 * def->shape.edge[k] - core;
+    if (def->shape.kind == SCREE_SPHERE) attitude->half[0] = attitude->half[1] = attitude->half[2] = 0.0;
+
+    struct vec moments = vec_from(inertia->moments), axis = vec_from(def->joint.axis), spin = vec_from(def->spin);
+    if (vec_norm2(axis) > 0.0) {
+        axis = vec_scale(1.0 / vec_norm(axis), axis);
+        struct vec body_axis = mat_undo(&attitude->frame, axis);
+        double moment = vec_dot(vec_times(body_axis, body_axis), moments);
+        vec_store(axis, attitude->axis);
+        attitude->inverse_hinge = def->joint.turn == SCREE_FREE ? 1.0 / moment : 0.0;
+        vec_store(vec_scale(moment * vec_dot(axis, spin), axis), bodies->state[index].l);
+        return;
+    }
+    struct vec body_spin = mat_undo(&attitude->frame, spin);
+    vec_store(mat_apply(&attitude->frame, vec_times(moments, body_spin)), bodies->state[index].l);
+}
+
+scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_def *defs, scree_trouble *trouble) {
+    for (int k = 0; k < bodies->count; k++) {
+        int ball = bodies->shape[k].kind == SCREE_SPHERE && bodies->class[k] != SCREE_CLASS_GENERAL;
+        bodies->slot[k] = ball ? -1 : bodies->attitudes++;
+    }
+    size_t attitudes = (size_t)bodies->attitudes;
+    bodies->attitude = aligned_zeroed(attitudes, sizeof *bodies->attitude);
+    bodies->corner = aligned_zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
+    if (!bodies->attitude || !bodies->corner)
+        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the attitudes of %zu bodies", attitudes);
+    for (int k = 0; k < bodies->count; k++)
+        if (bodies->slot[k] >= 0) set_attitude(bodies, k, &defs[k]);
+    return SCREE_OK;
+}
+
+scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,
+                                 scree_trouble *trouble) {
+    *shadow = *bodies;
+    shadow->record = aligned_zeroed((size_t)bodies->count, sizeof *shadow->record);
+    shadow->attitude = aligned_zeroed((size_t)bodies->attitudes, sizeof *shadow->attitude);
+    shadow->corner = aligned_zeroed(1 + 8 * (size_t)bodies->attitudes, sizeof *shadow->corner);
+    if (shadow->record && shadow->attitude && shadow->corner) return SCREE_OK;
+    scree_bodies_free_shadow(shadow);
+    return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a copy of %d bodies", bodies->count);
+}
+
+void scree_bodies_free_shadow(struct scree_bodies *shadow) {
+    free(shadow->record);
+    free(shadow->attitude);
+    free(shadow->corner);
+    *shadow = (struct scree_bodies){0};
+}

@@ -1,0 +1,115 @@
+/* The bodies of a scene while it runs: state split by temperature, and how each body moves alone.
+ *
+ * Three temperatures:
+ *   record   what contacts read and write, every step, two bodies a contact: five rows of four doubles;
+ *   state    positions and momenta at the end of the last step, read once a step;
+ *   the rest mass properties, attitudes of bodies that have one, joints.
+ *
+ * The step is Verlet's in its position form (drift, kick, drift: Tuckerman, Berne & Martyna 1992): contacts are
+ * evaluated half a step ahead of the state, where positions are x + h v/2 and velocities are predicted from the
+ * last step's impulse, v + dv/2. So elastic, damping and friction forces all see one and the same instant, and the
+ * method is of second order for forces that depend on velocity too. Between steps positions and velocities
+ * belong to the same instant again. */
+#ifndef SCREE_BODIES_BODIES_H
+#define SCREE_BODIES_BODIES_H
+
+#include "bodies/body.h"
+#include "bodies/motion.h"
+#include "bodies/quat.h"
+
+#include <stdint.h>
+
+/* What the contact loop reads (x, v, w: half a step ahead) and adds to (f, t). The fourth lane of each row is free
+ * in a record of doubles fit for four-wide loads, and carries what contacts need besides. */
+struct scree_record {
+    double x[3], radius;       /* centre, m; radius of the ball at the centre or at each corner, m */
+    double v[3], inverse_mass; /* m/s; 1/kg, 0 if forces can't move the centre */
+    double w[3], path;         /* spin, rad/s; way since the last list, m */
+    double f[3], limit;        /* impulse of the step, N s; largest tolerable overlap, m */
+    double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
+};
+
+struct scree_state {
+    double x[3], v[3]; /* m, m/s */
+    double l[3];       /* angular momentum about the centre, world axes, kg m^2/s */
+};
+
+struct scree_inertia {
+    double inverse_mass[3];    /* 1/kg along the world axes; 0 where the joint holds */
+    double mass;               /* kg */
+    double moments[3];         /* principal moments, kg m^2 */
+    double inverse_moments[3]; /* 1/(kg m^2); 0 where the joint holds */
+};
+
+/* A body that is not a mere ball: attitude, and what follows from it half a step ahead. */
+struct scree_attitude {
+    double q[4];     /* at the end of the last step, scalar first, body to world */
+    double start[4]; /* at the start of the simulation (driven turns count from here) */
+    struct quat ahead;
+    struct mat frame;     /* the body's axes half a step ahead */
+    double half[3];       /* half-lengths of the core (box) or of the face (rectangle), m */
+    double axis[3];       /* of a hinge or of a driven turn, unit length; zero if there is none */
+    double inverse_hinge; /* 1/(moment about a hinge) */
+};
+
+enum scree_body_class {
+    SCREE_CLASS_FIXED,  /* never moves */
+    SCREE_CLASS_BALL,   /* a free sphere: no attitude is kept */
+    SCREE_CLASS_GENERAL /* everything else */
+};
+
+struct scree_bodies {
+    int count;
+    struct scree_record *record;
+    struct scree_state *state;
+    struct scree_inertia *inertia;
+    enum scree_body_class *class;
+    scree_shape *shape;
+    scree_joint *joint;
+    int *material;
+    double (*origin)[3]; /* start position, from which driven coordinates count */
+    int *slot;           /* row in `attitude`, -1 for balls */
+    int attitudes;
+    struct scree_attitude *attitude;
+    double (*corner)[4]; /* row 0 is zero (a sphere's ball); row 1 + 8 slot + c: corner c from the centre, world axes */
+    struct scree_motion *motion; /* owned; joints refer to them by index */
+    int motions;
+    char **name; /* owned */
+};
+
+/* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. */
+scree_status scree_bodies_create(struct scree_bodies *bodies, int count, scree_trouble *trouble);
+void scree_bodies_destroy(struct scree_bodies *bodies);
+
+/* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. */
+void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density);
+
+/* Give every body that isn't a ball its attitude; call once after all bodies are set. */
+scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_def *defs, scree_trouble *trouble);
+
+/* Put driven bodies where their motions have them at `time`, and bring every record to the instant of the state. */
+void scree_bodies_start(struct scree_bodies *bodies, double time);
+
+/* Bring the records to time + step/2: predicted velocities there, impulses cleared, `path` lengthened by the way since
+ * the last call. Returns 1 if some body's path has outgrown `margin` (or is not a number), so that lists must be made
+ * anew, else 0. */
+int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                            double margin);
+
+/* Kick by the impulses that contacts left in the records and by gravity at mid-step, then drift to time + step. */
+void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]);
+
+/* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
+ * by scree_bodies_shadow (or `bodies` itself). */
+void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow);
+
+/* A second set of records, attitudes and corners beside the shared rest of `bodies`. Free it with
+ * scree_bodies_free_shadow. */
+scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,
+                                 scree_trouble *trouble);
+void scree_bodies_free_shadow(struct scree_bodies *shadow);
+
+/* Spin in the world, rad/s, of the state at `time`. */
+struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, double time);
+
+#endif

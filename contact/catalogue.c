@@ -1,0 +1,208 @@
+/* The law catalogue: look-up by name and the checking of parameters. */
+#include "contact/catalogue.h"
+
+#include "contact/law_list.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#define ENTRY(word) &scree_normal_##word,
+const struct scree_normal_law *const scree_normal_laws[] = {SCREE_NORMAL_LAWS(ENTRY) NULL};
+#undef ENTRY
+#define ENTRY(word) &scree_friction_##word,
+const struct scree_friction_law *const scree_friction_laws[] = {SCREE_FRICTION_LAWS(ENTRY) NULL};
+#undef ENTRY
+
+enum { MOST_LAWS = 64 };
+
+int scree_find_normal_law(const char *name) {
+    for (int k = 0; scree_normal_laws[k]; k++)
+        if (strcmp(scree_normal_laws[k]->text.name, name) == 0) return k;
+    return -1;
+}
+
+int scree_find_friction_law(const char *name) {
+    for (int k = 0; scree_friction_laws[k]; k++)
+        if (strcmp(scree_friction_laws[k]->text.name, name) == 0) return k;
+    return -1;
+}
+
+static scree_status unknown_law(const char *name, const char *kind, const char *const *names, scree_trouble *trouble) {
+    const char *nearest = scree_nearest_name(name, names);
+    return scree_report(trouble, SCREE_BAD_INPUT, kind, "there is no %s law called \"%s\"%s%s%s", kind, name,
+                        nearest ? "; did you mean \"" : "; `scree laws` lists them", nearest ? nearest : "",
+                        nearest ? "\"?" : "");
+}
+
+static scree_status find_laws(const scree_contact_def *def, struct scree_rule *rule, scree_trouble *trouble) {
+    const char *names[MOST_LAWS] = {0};
+    rule->normal = scree_find_normal_law(def->normal.law);
+    for (int k = 0; scree_normal_laws[k]; k++) names[k] = scree_normal_laws[k]->text.name;
+    if (rule->normal < 0) return unknown_law(def->normal.law, "normal", names, trouble);
+    rule->friction = -1;
+    if (!def->friction.law || !def->friction.law[0]) return SCREE_OK;
+    memset(names, 0, sizeof names);
+    for (int k = 0; scree_friction_laws[k]; k++) names[k] = scree_friction_laws[k]->text.name;
+    rule->friction = scree_find_friction_law(def->friction.law);
+    if (rule->friction < 0) return unknown_law(def->friction.law, "friction", names, trouble);
+    return SCREE_OK;
+}
+
+const char *scree_range_text(enum scree_range range) {
+    switch (range) {
+    case SCREE_ANY_POSITIVE:
+        return "> 0";
+    case SCREE_NOT_NEGATIVE:
+        return ">= 0";
+    case SCREE_FRACTION:
+        return "> 0 and <= 1";
+    case SCREE_AT_LEAST_ONE:
+        return ">= 1";
+    case SCREE_FROM_ONE_TO_3:
+        return ">= 1 and <= 3";
+    }
+    return "any";
+}
+
+static int in_range(double value, enum scree_range range) {
+    if (!isfinite(value)) return 0;
+    switch (range) {
+    case SCREE_ANY_POSITIVE:
+        return value > 0.0;
+    case SCREE_NOT_NEGATIVE:
+        return value >= 0.0;
+    case SCREE_FRACTION:
+        return value > 0.0 && value <= 1.0;
+    case SCREE_AT_LEAST_ONE:
+        return value >= 1.0;
+    case SCREE_FROM_ONE_TO_3:
+        return value >= 1.0 && value <= 3.0;
+    }
+    return 0;
+}
+
+static int find_parameter(const struct scree_law_text *text, const char *name) {
+    for (int k = 0; text->parameters[k].name; k++)
+        if (strcmp(text->parameters[k].name, name) == 0) return k;
+    return -1;
+}
+
+static scree_status read_settings(const struct scree_law_text *text, const scree_law_choice *choice,
+                                  struct scree_values *values, scree_trouble *trouble) {
+    for (int k = 0; k < choice->settings; k++) {
+        const scree_setting *setting = &choice->setting[k];
+        int index = find_parameter(text, setting->name);
+        if (index < 0) {
+            const char *names[SCREE_PARAMETERS + 1] = {0};
+            for (int p = 0; text->parameters[p].name; p++) names[p] = text->parameters[p].name;
+            const char *nearest = scree_nearest_name(setting->name, names);
+            return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "the law \"%s\" has no parameter \"%s\"%s%s%s",
+                                text->name, setting->name, nearest ? "; did you mean \"" : "", nearest ? nearest : "",
+                                nearest ? "\"?" : "");
+        }
+        const struct scree_parameter *parameter = &text->parameters[index];
+        if (!in_range(setting->value, parameter->range))
+            return scree_report(trouble, SCREE_BAD_INPUT, setting->name,
+                                "%s of the law \"%s\" (%s) must be %s, got %g %s", parameter->name, text->name,
+                                parameter->meaning, scree_range_text(parameter->range), setting->value,
+                                strcmp(parameter->unit, "1") ? parameter->unit : "");
+        values->v[index] = setting->value;
+    }
+    return SCREE_OK;
+}
+
+/* Every parameter that the law needs is there, and none that another one excludes. */
+static scree_status check_complete(const struct scree_law_text *text, struct scree_values *values,
+                                   scree_trouble *trouble) {
+    for (int k = 0; text->parameters[k].name; k++) {
+        const struct scree_parameter *parameter = &text->parameters[k];
+        if (parameter->instead_of) {
+            int other = find_parameter(text, parameter->instead_of);
+            int both = !isnan(values->v[k]) && !isnan(values->v[other]);
+            int neither = isnan(values->v[k]) && isnan(values->v[other]);
+            if (both || neither)
+                return scree_report(trouble, SCREE_BAD_INPUT, both ? parameter->name : NULL,
+                                    "the law \"%s\" takes either %s (%s) or %s, %s", text->name, parameter->name,
+                                    parameter->meaning, parameter->instead_of,
+                                    both ? "not both" : "and neither is given");
+            continue;
+        }
+        if (!isnan(values->v[k])) continue;
+        if (parameter->optional) {
+            values->v[k] = parameter->fallback;
+            continue;
+        }
+        int alternative = 0; /* named by another parameter's instead_of, so checked there */
+        for (int p = 0; text->parameters[p].name; p++)
+            alternative |=
+                text->parameters[p].instead_of && strcmp(text->parameters[p].instead_of, parameter->name) == 0;
+        if (!alternative)
+            return scree_report(trouble, SCREE_BAD_INPUT, NULL, "the law \"%s\" needs %s (%s, in %s, %s)", text->name,
+                                parameter->name, parameter->meaning, parameter->unit,
+                                scree_range_text(parameter->range));
+    }
+    return SCREE_OK;
+}
+
+static scree_status read_values(const struct scree_law_text *text, const scree_law_choice *choice, double share,
+                                struct scree_values *values, scree_trouble *trouble) {
+    for (int k = 0; k < SCREE_PARAMETERS; k++) values->v[k] = NAN;
+    scree_status status = read_settings(text, choice, values, trouble);
+    if (!status) status = check_complete(text, values, trouble);
+    if (status) return status;
+    for (int k = 0; text->parameters[k].name; k++)
+        if (text->parameters[k].shared) values->v[k] /= share;
+    return SCREE_OK;
+}
+
+scree_status scree_bake_rule(const scree_contact_def *def, struct scree_rule *rule, scree_trouble *trouble) {
+    *rule = (struct scree_rule){.material = {def->between[0], def->between[1]}, .friction = -1, .share = 1.0};
+    rule->touches = !def->none;
+    if (def->none) return SCREE_OK;
+    if (def->shared_by < 0)
+        return scree_report(trouble, SCREE_BAD_INPUT, "shared_by", "shared_by must be a positive count, got %d",
+                            def->shared_by);
+    if (!def->normal.law || !def->normal.law[0])
+        return scree_report(trouble, SCREE_BAD_INPUT, "normal", "a contact needs a normal law, or none = true");
+    rule->share = def->shared_by ? def->shared_by : 1;
+    scree_status status = find_laws(def, rule, trouble);
+    if (status) return status;
+
+    struct scree_values values;
+    const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
+    status = read_values(&normal->text, &def->normal, rule->share, &values, trouble);
+    if (!status) status = normal->bake(&values, &rule->normal_constants, trouble);
+    if (status || rule->friction < 0) return status;
+
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    status = read_values(&friction->text, &def->friction, rule->share, &values, trouble);
+    if (!status) status = friction->bake(&values, &rule->friction_constants, trouble);
+    return status;
+}
+
+static double coefficient_at(const struct scree_friction_law *law, const struct scree_law_constants *constants,
+                             double speed) {
+    struct scree_sliding at = {.normal = 1.0, .velocity = {speed, 0.0, 0.0}};
+    return -law->force(constants, at).force.x;
+}
+
+double scree_creep_speed(const struct scree_friction_law *law, const struct scree_law_constants *constants,
+                         double load_over_normal) {
+    if (law->memory || law->slope(constants) == 0.0) return 0.0;
+    /* The coefficient rises from 0: walk up until it is enough, then bisect. */
+    double low = 0.0, high = 1e-6 * load_over_normal / law->slope(constants);
+    int walks = 0;
+    for (; coefficient_at(law, constants, high) < load_over_normal; high *= 1.1) {
+        if (walks++ == 250) return HUGE_VAL; /* 2e4 times the ramp: the load is more than friction can hold */
+        low = high;
+    }
+    for (int k = 0; k < 100; k++) {
+        double middle = 0.5 * (low + high);
+        if (coefficient_at(law, constants, middle) < load_over_normal)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}

@@ -1,0 +1,38 @@
+/* The law catalogue: every law by name, and the reading of a user's choice. */
+#ifndef SCREE_CONTACT_CATALOGUE_H
+#define SCREE_CONTACT_CATALOGUE_H
+
+#include "contact/choice.h"
+#include "contact/law.h"
+
+/* Laws in the order of the lists in contact/meson.build; NULL at the end. */
+extern const struct scree_normal_law *const scree_normal_laws[];
+extern const struct scree_friction_law *const scree_friction_laws[];
+
+/* The laws of one pair of materials, ready for use. */
+struct scree_rule {
+    int material[2];
+    int touches;  /* 0: the materials pass through each other */
+    int normal;   /* index in scree_normal_laws */
+    int friction; /* index in scree_friction_laws, -1 for none */
+    double share; /* contacts that share one load */
+    struct scree_law_constants normal_constants, friction_constants;
+};
+
+/* Index of the law called `name`, -1 if there is none. */
+int scree_find_normal_law(const char *name);
+int scree_find_friction_law(const char *name);
+
+/* Turn a definition into a rule. SCREE_BAD_INPUT names the law, the parameter and its range: unknown law or
+ * parameter, one missing, out of its range, or two that contradict each other. */
+scree_status scree_bake_rule(const scree_contact_def *def, struct scree_rule *rule, scree_trouble *trouble);
+
+/* "> 0", "0 … 1" and so on, for people. */
+const char *scree_range_text(enum scree_range range);
+
+/* Speed at which a friction law without memory balances a tangential load, given as load/normal force: the creep speed of
+ * a body that should rest, m/s. 0 for laws that stick, HUGE_VAL if the law can't hold that load. */
+double scree_creep_speed(const struct scree_friction_law *law, const struct scree_law_constants *constants,
+                         double load_over_normal);
+
+#endif

@@ -1,0 +1,29 @@
+/* How a user names laws for a pair of materials. */
+#ifndef SCREE_CONTACT_CHOICE_H
+#define SCREE_CONTACT_CHOICE_H
+
+#define SCREE_SETTINGS_MAX 8
+
+/* One parameter of a law, by the name that `scree laws` prints, in the unit that it prints. */
+typedef struct scree_setting {
+    const char *name;
+    double value;
+} scree_setting;
+
+/* A law and its parameters. A NULL or empty `law` means: no such force. */
+typedef struct scree_law_choice {
+    const char *law;
+    int settings;
+    scree_setting setting[SCREE_SETTINGS_MAX];
+} scree_law_choice;
+
+/* The contact between two materials (indices returned by scree_scene_add_material, in either order). */
+typedef struct scree_contact_def {
+    int between[2];
+    scree_law_choice normal;   /* required unless `none` is set */
+    scree_law_choice friction; /* optional: without it the contact is frictionless */
+    int shared_by; /* contacts that share one load: stiffness and damping are totals, divided by it; 0 means 1 */
+    int none;      /* bodies of these materials pass through each other */
+} scree_contact_def;
+
+#endif

@@ -1,0 +1,92 @@
+/* Contacts: the table of rules and batches, and what the laws need to know of a pair of bodies. */
+#include "contact/contacts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static scree_status make_batches(struct scree_contacts *contacts, const struct scree_rule *rules) {
+    int capacity = contacts->rules * SCREE_GEOMETRIES;
+    contacts->batch = calloc((size_t)capacity + 1, sizeof *contacts->batch);
+    contacts->batch_of = malloc(((size_t)capacity + 1) * sizeof *contacts->batch_of);
+    if (!contacts->batch || !contacts->batch_of) return SCREE_NO_MEMORY;
+    for (int rule = 0; rule < contacts->rules; rule++) {
+        contacts->rule[rule] = rules[rule];
+        int friction = rules[rule].friction;
+        const struct scree_friction_law *law = friction >= 0 ? scree_friction_laws[friction] : NULL;
+        for (int geometry = 0; geometry < SCREE_GEOMETRIES; geometry++) {
+            struct scree_batch *batch = &contacts->batch[contacts->batches];
+            batch->geometry = (enum scree_geometry)geometry;
+            batch->rule = rule;
+            batch->memory = law ? law->memory : 0;
+            batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
+            contacts->batch_of[rule * SCREE_GEOMETRIES + geometry] = contacts->batches++;
+        }
+    }
+    return SCREE_OK;
+}
+
+scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
+                                   const struct scree_rule *rules, int rule_count, scree_trouble *trouble) {
+    *contacts = (struct scree_contacts){.materials = materials,
+                                        .rules = rule_count,
+                                        .deepest_ball = -1,
+                                        .deepest_host = -1,
+                                        .steepest_ball = -1,
+                                        .steepest_host = -1};
+    size_t cells = (size_t)materials * (size_t)materials;
+    contacts->rule = malloc(((size_t)rule_count + 1) * sizeof *contacts->rule);
+    contacts->rule_of = malloc((cells + 1) * sizeof *contacts->rule_of);
+    contacts->order = malloc(((size_t)bodies + 1) * sizeof *contacts->order);
+    if (!contacts->rule || !contacts->rule_of || !contacts->order || make_batches(contacts, rules)) {
+        scree_contacts_destroy(contacts);
+        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contact rules", rule_count);
+    }
+    for (int k = 0; k < bodies; k++) contacts->order[k] = k;
+    for (size_t k = 0; k < cells; k++) contacts->rule_of[k] = -1;
+    for (int k = 0; k < rule_count; k++) {
+        int a = rules[k].material[0], b = rules[k].material[1];
+        contacts->rule_of[a * materials + b] = contacts->rule_of[b * materials + a] = k;
+    }
+    return SCREE_OK;
+}
+
+void scree_contacts_destroy(struct scree_contacts *contacts) {
+    for (int k = 0; k < contacts->batches; k++) {
+        struct scree_batch *batch = &contacts->batch[k];
+        free(batch->contact);
+        free(batch->pair);
+        free(batch->kept);
+        free(batch->yield);
+        free(batch->old_contact);
+        free(batch->old_kept);
+    }
+    free(contacts->rule);
+    free(contacts->rule_of);
+    free(contacts->batch);
+    free(contacts->batch_of);
+    free(contacts->pair);
+    free(contacts->order);
+    *contacts = (struct scree_contacts){0};
+}
+
+static int has_ball(scree_shape_kind kind) { return kind == SCREE_SPHERE || kind == SCREE_BOX; }
+
+const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                             int i, int j, int *missing) {
+    if (!scree_joint_can_move(&bodies->joint[i]) && !scree_joint_can_move(&bodies->joint[j])) return NULL;
+    if (!has_ball(bodies->shape[i].kind) && !has_ball(bodies->shape[j].kind)) return NULL;
+    int rule = contacts->rule_of[bodies->material[i] * contacts->materials + bodies->material[j]];
+    if (rule < 0 && missing) *missing = 1;
+    if (rule < 0 || !contacts->rule[rule].touches) return NULL;
+    return &contacts->rule[rule];
+}
+
+double scree_effective_mass(const struct scree_bodies *bodies, int i, int j) {
+    double inverse = bodies->record[i].inverse_mass + bodies->record[j].inverse_mass;
+    return inverse > 0.0 ? 1.0 / inverse : 0.0;
+}
+
+double scree_effective_radius(const struct scree_bodies *bodies, int ball, int host, enum scree_geometry geometry) {
+    double r = bodies->record[ball].radius, other = bodies->record[host].radius;
+    return geometry == SCREE_BALL_BALL ? r * other / (r + other) : r;
+}

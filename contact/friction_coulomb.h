@@ -1,0 +1,76 @@
+/* Coulomb's law with a state that truly sticks: a tangential spring and dashpot, and a slider that holds up to mu_s and
+ * slides at mu_k.
+ *   F = -(k_t s + c_t v) while |F| <= mu_s N, then |F| = mu_k N against the slip, and the spring is left at the stretch
+ *   that carries that force. Cundall & Strack, Geotechnique 29 (1979) 47, for mu_s = mu_k.
+ * The contact holds again when the trial force falls below mu_k N, which happens as soon as the slip turns round. */
+#ifndef SCREE_CONTACT_FRICTION_COULOMB_H
+#define SCREE_CONTACT_FRICTION_COULOMB_H
+
+#include "contact/law.h"
+
+enum { COULOMB_STATIC, COULOMB_KINETIC, COULOMB_STIFFNESS, COULOMB_DAMPING };
+
+static const struct scree_parameter coulomb_parameters[] = {
+    {.name = "static", .unit = "1", .meaning = "coefficient mu_s while sticking", .range = SCREE_NOT_NEGATIVE},
+    {.name = "kinetic", .unit = "1", .meaning = "coefficient mu_k while sliding", .range = SCREE_NOT_NEGATIVE},
+    {.name = "stiffness", .unit = "N/m", .meaning = "tangential spring k_t", .range = SCREE_ANY_POSITIVE, .shared = 1},
+    {.name = "damping",
+     .unit = "N s/m",
+     .meaning = "tangential dashpot c_t while sticking",
+     .range = SCREE_NOT_NEGATIVE,
+     .optional = 1,
+     .fallback = 0.0,
+     .shared = 1},
+    {0}};
+
+static inline scree_status friction_coulomb_bake(const struct scree_values *values, struct scree_law_constants *law,
+                                                 scree_trouble *trouble) {
+    for (int k = 0; k < 4; k++) law->c[k] = values->v[k];
+    if (law->c[COULOMB_STATIC] >= law->c[COULOMB_KINETIC]) return SCREE_OK;
+    return scree_report(trouble, SCREE_BAD_INPUT, "static",
+                        "static friction (%g) must not be below kinetic friction (%g)", law->c[COULOMB_STATIC],
+                        law->c[COULOMB_KINETIC]);
+}
+
+static inline struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
+                                                             struct scree_sliding at) {
+    double k = law->c[COULOMB_STIFFNESS];
+    struct vec trial = vec_axpy(vec_scale(-k, at.stretch), -law->c[COULOMB_DAMPING], at.velocity);
+    double size = vec_norm(trial), kinetic = law->c[COULOMB_KINETIC] * at.normal;
+    double holds = at.sliding > 0.0 ? kinetic : law->c[COULOMB_STATIC] * at.normal;
+    int slides = size > holds;
+    double scale = slides ? kinetic / (size + SCREE_NO_SPEED) : 1.0;
+    struct vec force = vec_scale(scale, trial);
+    struct vec held = vec_scale(-1.0 / k, force);
+    struct vec stretch = slides ? held : at.stretch;
+    return (struct scree_tangential){force, stretch, slides ? 1.0 : 0.0};
+}
+
+static inline double friction_coulomb_stored(const struct scree_law_constants *law, struct vec stretch) {
+    return 0.5 * law->c[COULOMB_STIFFNESS] * vec_norm2(stretch);
+}
+
+static inline double friction_coulomb_stiffness(const struct scree_law_constants *law) {
+    return law->c[COULOMB_STIFFNESS];
+}
+
+static inline double friction_coulomb_damping(const struct scree_law_constants *law) { return law->c[COULOMB_DAMPING]; }
+
+static const struct scree_friction_law scree_friction_coulomb = {
+    .text = {.name = "coulomb",
+             .formula = "F = -(k_t s + c_t v) while |F| <= mu_s N (sticks), else |F| = mu_k N against the slip",
+             .source = "Cundall & Strack, Geotechnique 29 (1979) 47",
+             .note = "Truly sticks: no creep. Without a dashpot a load that is put on at once makes the "
+                     "friction force overshoot "
+                     "to twice its resting value.",
+             .parameters = coulomb_parameters},
+    .memory = SCREE_MEMORY,
+    .bake = friction_coulomb_bake,
+    .force = friction_coulomb_force,
+    .stored = friction_coulomb_stored,
+    .slope = scree_zero,
+    .stiffness = friction_coulomb_stiffness,
+    .damping = friction_coulomb_damping,
+};
+
+#endif

@@ -1,0 +1,198 @@
+/* The list of near contacts: made from candidate pairs, sorted, with the contact memory of the list before. */
+#include "contact/contacts.h"
+
+#include "contact/geometry.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static size_t blocks_for(int count) { return ((size_t)count + SCREE_LANES - 1) / SCREE_LANES; }
+
+static scree_status grow(struct scree_batch *batch, scree_trouble *trouble) {
+    int capacity = batch->capacity ? 2 * batch->capacity : SCREE_LANES;
+    size_t blocks = blocks_for(capacity);
+    struct scree_contact *contact = realloc(batch->contact, (size_t)capacity * sizeof *contact);
+    if (contact) batch->contact = contact;
+    struct scree_contact *old_contact = realloc(batch->old_contact, (size_t)capacity * sizeof *old_contact);
+    if (old_contact) batch->old_contact = old_contact;
+    void *pair = realloc(batch->pair, blocks * sizeof *batch->pair);
+    if (pair) batch->pair = pair;
+    struct scree_yield *yield = realloc(batch->yield, blocks * sizeof *yield);
+    if (yield) batch->yield = yield;
+    int ok = contact && old_contact && pair && yield;
+    if (batch->memory) {
+        void *kept = realloc(batch->kept, blocks * sizeof *batch->kept);
+        if (kept) batch->kept = kept;
+        void *old_kept = realloc(batch->old_kept, blocks * sizeof *batch->old_kept);
+        if (old_kept) batch->old_kept = old_kept;
+        ok = ok && kept && old_kept;
+    }
+    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", capacity);
+    batch->capacity = capacity;
+    return SCREE_OK;
+}
+
+static scree_status add(struct scree_batch *batch, int ball, int host, int corner, scree_trouble *trouble) {
+    if (batch->count == batch->capacity) {
+        scree_status status = grow(batch, trouble);
+        if (status) return status;
+    }
+    batch->contact[batch->count++] = (struct scree_contact){ball, host, corner};
+    return SCREE_OK;
+}
+
+scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_contact *contact, const double *kept,
+                                     scree_trouble *trouble) {
+    int place = batch->count;
+    scree_status status = add(batch, contact->ball, contact->host, contact->corner, trouble);
+    for (int m = 0; !status && m < SCREE_MEMORY; m++)
+        batch->kept[place / SCREE_LANES][m][place % SCREE_LANES] = kept[m];
+    return status;
+}
+
+/* The gap between a ball and its partner, as far as the list needs it: exact while it is small. */
+static double gap(const struct scree_bodies *bodies, int ball, int host, int corner, double skin) {
+    const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
+    struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[corner])), origin = vec_from(b->x);
+    int slot = bodies->slot[host];
+    const struct scree_attitude *partner = slot >= 0 ? &bodies->attitude[slot] : NULL;
+    switch (bodies->shape[host].kind) {
+    case SCREE_PLANE:
+        return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
+    case SCREE_RECTANGLE:
+        return -scree_meet_rectangle(centre, a->radius, origin, &partner->frame, partner->half, skin).overlap;
+    case SCREE_BOX:
+        return -scree_meet_box(centre, a->radius, origin, &partner->frame, partner->half, b->radius).overlap;
+    default:
+        return -scree_meet_ball(centre, a->radius, origin, b->radius).overlap;
+    }
+}
+
+static enum scree_geometry geometry_on(scree_shape_kind host) {
+    switch (host) {
+    case SCREE_PLANE:
+        return SCREE_BALL_PLANE;
+    case SCREE_RECTANGLE:
+        return SCREE_BALL_RECTANGLE;
+    case SCREE_BOX:
+        return SCREE_BALL_BOX;
+    default:
+        return SCREE_BALL_BALL;
+    }
+}
+
+/* Add the balls of body `ball` that are near body `host`: its corners, or itself. */
+static scree_status add_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                              const struct scree_rule *rule, int ball, int host, scree_trouble *trouble) {
+    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[host].kind));
+    int box = bodies->shape[ball].kind == SCREE_BOX;
+    int first = box ? 1 + 8 * bodies->slot[ball] : 0;
+    for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
+        if (!(gap(bodies, ball, host, corner, contacts->skin) <= contacts->skin)) continue;
+        scree_status status = add(batch, ball, host, corner, trouble);
+        if (status) return status;
+        batch->turns |= box || rule->friction >= 0 || bodies->shape[host].kind == SCREE_BOX;
+    }
+    return SCREE_OK;
+}
+
+static scree_status add_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
+                             scree_trouble *trouble) {
+    const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, i, j, NULL);
+    scree_shape_kind a = bodies->shape[i].kind, b = bodies->shape[j].kind;
+    if (a == SCREE_SPHERE) return add_balls(contacts, bodies, rule, i, j, trouble);
+    if (b == SCREE_SPHERE || a != SCREE_BOX) return add_balls(contacts, bodies, rule, j, i, trouble);
+    scree_status status = add_balls(contacts, bodies, rule, i, j, trouble);
+    if (!status && b == SCREE_BOX) status = add_balls(contacts, bodies, rule, j, i, trouble);
+    return status;
+}
+
+static int compare(const struct scree_contact *a, const struct scree_contact *b) {
+    if (a->ball != b->ball) return a->ball < b->ball ? -1 : 1;
+    if (a->host != b->host) return a->host < b->host ? -1 : 1;
+    return (a->corner > b->corner) - (a->corner < b->corner);
+}
+
+static int compare_contacts(const void *a, const void *b) { return compare(a, b); }
+
+/* Candidates come sorted by their lower body, which isn't always the ball: put the batch in order. */
+static void sort(struct scree_batch *batch) {
+    for (int k = 1; k < batch->count; k++)
+        if (compare(&batch->contact[k - 1], &batch->contact[k]) > 0) {
+            qsort(batch->contact, (size_t)batch->count, sizeof *batch->contact, compare_contacts);
+            return;
+        }
+}
+
+/* Both lists are sorted, so one walk finds the contacts that go on. New ones start with empty memory. */
+static void carry_memory_over(struct scree_batch *batch) {
+    for (int k = 0, old = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
+        int real = k < batch->count; /* the last block is filled up with zeros */
+        while (real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) < 0) old++;
+        int same = real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) == 0;
+        for (int m = 0; m < SCREE_MEMORY; m++)
+            batch->kept[k / SCREE_LANES][m][k % SCREE_LANES] =
+                same ? batch->old_kept[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
+    }
+}
+
+static struct scree_pair_constants constants_of(const struct scree_contacts *contacts,
+                                                const struct scree_bodies *bodies, const struct scree_batch *batch,
+                                                const struct scree_contact *contact) {
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    double mass = scree_effective_mass(bodies, contact->ball, contact->host) / rule->share;
+    double radius = scree_effective_radius(bodies, contact->ball, contact->host, batch->geometry);
+    return scree_normal_laws[rule->normal]->pair(&rule->normal_constants, mass, radius);
+}
+
+/* The law's constants for each pair of bodies; one block of them where all pairs have the same. */
+static void set_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                               struct scree_batch *batch) {
+    struct scree_pair_constants first = {{0.0}}, pair = first;
+    batch->uniform = 1;
+    for (int k = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
+        if (k < batch->count) pair = constants_of(contacts, bodies, batch, &batch->contact[k]);
+        if (k == 0) first = pair;
+        if (memcmp(&first, &pair, sizeof pair) != 0) batch->uniform = 0;
+        for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) batch->pair[k / SCREE_LANES][c][k % SCREE_LANES] = pair.c[c];
+    }
+}
+
+static void set_aside(struct scree_batch *batch) {
+    struct scree_contact *contact = batch->contact;
+    double(*kept)[SCREE_MEMORY][SCREE_LANES] = batch->kept;
+    batch->contact = batch->old_contact;
+    batch->old_contact = contact;
+    batch->kept = batch->old_kept;
+    batch->old_kept = kept;
+    batch->old_count = batch->count;
+    batch->count = 0;
+}
+
+/* Undo set_aside after a failure, so that the old list stays in force. */
+static void take_back(struct scree_batch *batch) {
+    int count = batch->old_count;
+    set_aside(batch);
+    batch->count = count;
+}
+
+scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble) {
+    scree_status status = scree_candidates(contacts, bodies, trouble);
+    if (status) return status;
+    for (int k = 0; k < contacts->batches; k++) set_aside(&contacts->batch[k]);
+    for (int k = 0; k < contacts->pairs && !status; k++)
+        status = add_pair(contacts, bodies, contacts->pair[k].i, contacts->pair[k].j, trouble);
+    if (status) {
+        for (int k = 0; k < contacts->batches; k++) take_back(&contacts->batch[k]);
+        return status;
+    }
+    for (int k = 0; k < contacts->batches; k++) {
+        struct scree_batch *batch = &contacts->batch[k];
+        sort(batch);
+        if (batch->memory) carry_memory_over(batch);
+        set_pair_constants(contacts, bodies, batch);
+    }
+    for (int k = 0; k < bodies->count; k++) bodies->record[k].path = 0.0;
+    contacts->rebuilds++;
+    return SCREE_OK;
+}

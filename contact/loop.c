@@ -1,0 +1,334 @@
+/* The contact loop: blocks of contacts go through short passes over columns that stay in the L1 cache,
+ *   gather     body records -> normal, overlap, arms, relative velocity
+ *   normal     the normal law
+ *   friction   the friction law with its memory
+ *   yield      impulses on both bodies
+ * and the impulses are added to the bodies in the order of the list, whatever the number of threads. Each law makes one
+ * pass from its inline function, so there are as many loops as laws, not as products of laws; choices are made per
+ * batch, never per contact. */
+#include "contact/contacts.h"
+#include "contact/geometry.h"
+#include "contact/law_list.h"
+
+/* Columns of one block of contacts. */
+struct block {
+    double n[3][SCREE_LANES];        /* unit normal, from the host towards the ball */
+    double arm[3][SCREE_LANES];      /* from the ball body's centre to the middle of the overlap, m */
+    double apart[3][SCREE_LANES];    /* from the host's centre to the ball body's, m */
+    double overlap[SCREE_LANES];     /* m */
+    double limit[SCREE_LANES];       /* largest tolerable overlap, m */
+    double softness[SCREE_LANES];    /* velocity that a tangential impulse gives the pair, 1/kg */
+    double closing[SCREE_LANES];     /* m/s */
+    double slip[3][SCREE_LANES];     /* tangential velocity of the ball, m/s */
+    double force[SCREE_LANES];       /* normal, N */
+    double reversible[SCREE_LANES];  /* part of it that is stored, N */
+    double friction[3][SCREE_LANES]; /* N */
+};
+
+/* Passes run over full vectors: the count of contacts rounded up to a multiple of 4. */
+static int padded(int count) { return (count + 3) & ~3; }
+
+static inline struct scree_meeting meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                        enum scree_geometry geometry, struct vec centre, double radius) {
+    const struct scree_record *host = &bodies->record[contact->host];
+    struct vec origin = vec_from(host->x);
+    if (geometry == SCREE_BALL_BALL) return scree_meet_ball(centre, radius, origin, host->radius);
+    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[contact->host]];
+    if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
+    if (geometry == SCREE_BALL_RECTANGLE)
+        return scree_meet_rectangle(centre, radius, origin, &attitude->frame, attitude->half, 0.0);
+    return scree_meet_box(centre, radius, origin, &attitude->frame, attitude->half, host->radius);
+}
+
+static inline void put(double column[3][SCREE_LANES], int lane, struct vec a) {
+    column[0][lane] = a.x;
+    column[1][lane] = a.y;
+    column[2][lane] = a.z;
+}
+
+static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
+    return vec(column[0][lane], column[1][lane], column[2][lane]);
+}
+
+/* Geometry and relative velocity of one contact, into lane `lane`. */
+static inline void gather_one(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                              enum scree_geometry geometry, struct block *b, int lane) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    struct vec corner = vec_from(bodies->corner[contact->corner]);
+    struct vec centre = vec_add(vec_from(ball->x), corner);
+    struct scree_meeting m = meet(bodies, contact, geometry, centre, ball->radius);
+    /* Both bodies are acted on at one point, the middle of the overlap, so that angular momentum is kept. */
+    struct vec arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal);
+    struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
+    struct vec velocity = vec_sub(vec_from(ball->v), vec_from(host->v));
+    velocity = vec_add(velocity, vec_cross(vec_from(ball->w), arm));
+    velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(arm, apart)));
+    double closing = -vec_dot(velocity, m.normal);
+    put(b->n, lane, m.normal);
+    put(b->arm, lane, arm);
+    put(b->apart, lane, apart);
+    put(b->slip, lane, vec_axpy(velocity, closing, m.normal));
+    b->overlap[lane] = m.overlap;
+    b->limit[lane] = ball->limit < host->limit ? ball->limit : host->limit;
+    b->closing[lane] = closing;
+    /* A ball's rotation makes it 3.5 times as soft as its mass, four corners that share a load four times. */
+    b->softness[lane] = 4.0 * (ball->inverse_mass + host->inverse_mass);
+}
+
+static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                   enum scree_geometry geometry, struct block *b) {
+    for (int lane = 0; lane < padded(count); lane++) {
+        const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
+        switch (geometry) { /* constant arguments: each case becomes a loop body of its own */
+        case SCREE_BALL_BALL:
+            gather_one(bodies, one, SCREE_BALL_BALL, b, lane);
+            break;
+        case SCREE_BALL_PLANE:
+            gather_one(bodies, one, SCREE_BALL_PLANE, b, lane);
+            break;
+        case SCREE_BALL_RECTANGLE:
+            gather_one(bodies, one, SCREE_BALL_RECTANGLE, b, lane);
+            break;
+        default:
+            gather_one(bodies, one, SCREE_BALL_BOX, b, lane);
+            break;
+        }
+    }
+}
+
+typedef void normal_pass(struct block *b, int count, const struct scree_law_constants *law, double (*pair)[SCREE_LANES],
+                         double step);
+typedef void friction_pass(struct block *b, int count, const struct scree_law_constants *law,
+                           double (*kept)[SCREE_LANES], double step);
+
+/* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. */
+static inline double share_in_touch(double overlap, double closing, double step) {
+    double way = 0.5 * step * fabs(closing) + SCREE_NO_SPEED;
+    double share = 0.5 + 0.5 * (overlap / way);
+    share = share < 1.0 ? share : 1.0;
+    return share > 0.0 ? share : 0.0;
+}
+
+/* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step in
+ * which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The spring
+ * is left as it is: there the mid-step rule is of second order already, and reversible. */
+#define NORMAL_PASS(word)                                                                                              \
+    static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
+                                   double(*pair)[SCREE_LANES], double step) {                                          \
+        struct scree_law_constants constants = *law;                                                                   \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) {                                                                      \
+            struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                  \
+            struct scree_normal_force f = normal_##word##_force(&constants, of_pair, b->overlap[k], b->closing[k]);    \
+            int touching = b->overlap[k] > 0.0;                                                                        \
+            double share = share_in_touch(b->overlap[k], b->closing[k], step);                                         \
+            double force = (touching ? f.elastic : 0.0) + share * f.damping * b->closing[k];                           \
+            force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                              \
+            b->force[k] = force;                                                                                       \
+            b->reversible[k] = touching ? f.reversible : 0.0;                                                          \
+        }                                                                                                              \
+    }
+SCREE_NORMAL_LAWS(NORMAL_PASS)
+
+/* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. The
+ * threshold keeps rounding from doing anything where the normal stands still. */
+static inline struct vec into_tangent_plane(struct vec stretch, struct vec normal) {
+    double along = vec_dot(stretch, normal), before = vec_norm2(stretch);
+    struct vec flat = vec_axpy(stretch, -along, normal);
+    double after = vec_norm2(flat);
+    double scale = along * along > 1e-24 * before && after > 0.0 ? sqrt(before / after) : 1.0;
+    return vec_scale(scale, flat);
+}
+
+/* One pass per friction law. The memory belongs to the ends of steps and the velocity to their middle, so the law sees the
+ * stretch brought half a step forward, and the other half is added after. */
+#define FRICTION_PASS(word)                                                                                            \
+    static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
+                                     double(*kept)[SCREE_LANES], double step) {                                        \
+        struct scree_law_constants constants = *law;                                                                   \
+        double half = 0.5 * step;                                                                                      \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) {                                                                      \
+            double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                     \
+            struct scree_sliding at = {.normal = normal, .velocity = get(b->slip, k)};                                 \
+            if (scree_friction_##word.memory) {                                                                        \
+                struct vec stretch = into_tangent_plane(get(kept, k), get(b->n, k));                                   \
+                at.stretch = vec_axpy(stretch, half, at.velocity);                                                     \
+                at.sliding = kept[3][k];                                                                               \
+            }                                                                                                          \
+            struct scree_tangential f = friction_##word##_force(&constants, at);                                       \
+            put(b->friction, k, f.force);                                                                              \
+            if (scree_friction_##word.memory) {                                                                        \
+                double touching = b->overlap[k] > 0.0 ? 1.0 : 0.0;                                                     \
+                put(kept, k, vec_scale(touching, vec_axpy(f.stretch, half, at.velocity)));                             \
+                kept[3][k] = touching * f.sliding;                                                                     \
+            }                                                                                                          \
+        }                                                                                                              \
+    }
+SCREE_FRICTION_LAWS(FRICTION_PASS)
+
+#define ENTRY(word) normal_pass_##word,
+static normal_pass *const normal_passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
+#undef ENTRY
+#define ENTRY(word) friction_pass_##word,
+static friction_pass *const friction_passes[] = {SCREE_FRICTION_LAWS(ENTRY)};
+#undef ENTRY
+
+/* Impulses on both bodies. Without friction a ball at the centre of its body can't turn it. */
+static void write_yield(const struct block *b, int count, double step, int friction, int turns, double slope,
+                        struct scree_yield *yield) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        double f = step * b->force[k];
+        double jx = f * b->n[0][k], jy = f * b->n[1][k], jz = f * b->n[2][k];
+        if (friction) {
+            jx += step * b->friction[0][k];
+            jy += step * b->friction[1][k];
+            jz += step * b->friction[2][k];
+        }
+        yield->impulse[0][k] = jx;
+        yield->impulse[1][k] = jy;
+        yield->impulse[2][k] = jz;
+        yield->depth[k] = b->overlap[k] / b->limit[k];
+        yield->steep[k] = step * slope * b->force[k] * b->softness[k];
+        if (!turns) continue;
+        double ax = b->arm[0][k], ay = b->arm[1][k], az = b->arm[2][k];
+        yield->turn_ball[0][k] = ay * jz - az * jy;
+        yield->turn_ball[1][k] = az * jx - ax * jz;
+        yield->turn_ball[2][k] = ax * jy - ay * jx;
+        ax += b->apart[0][k];
+        ay += b->apart[1][k];
+        az += b->apart[2][k];
+        yield->turn_host[0][k] = az * jy - ay * jz;
+        yield->turn_host[1][k] = ax * jz - az * jx;
+        yield->turn_host[2][k] = ay * jx - ax * jy;
+    }
+}
+
+/* What the contacts took out of the motion during the step. Summed lane by lane: a fixed order. */
+static void measure_losses(const struct block *b, int count, double step, int friction, struct scree_yield *yield) {
+    double normal = 0.0, tangential = 0.0;
+    for (int k = 0; k < count; k++) {
+        normal += step * (b->force[k] - b->reversible[k]) * b->closing[k];
+        if (friction)
+            tangential -= step * (b->friction[0][k] * b->slip[0][k] + b->friction[1][k] * b->slip[1][k] +
+                                  b->friction[2][k] * b->slip[2][k]);
+    }
+    yield->lost_normal = normal;
+    yield->work_tangential = tangential;
+}
+
+static int contacts_in_block(const struct scree_batch *batch, int block) {
+    int left = batch->count - block * SCREE_LANES;
+    return left < SCREE_LANES ? left : SCREE_LANES;
+}
+
+static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_batch *batch, int block, double step) {
+    struct block b;
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    int count = contacts_in_block(batch, block), friction = rule->friction >= 0;
+    gather(bodies, batch->contact + block * SCREE_LANES, count, batch->geometry, &b);
+    normal_passes[rule->normal](&b, count, &rule->normal_constants, batch->pair[batch->uniform ? 0 : block], step);
+    if (friction)
+        friction_passes[rule->friction](&b, count, &rule->friction_constants, batch->memory ? batch->kept[block] : NULL,
+                                        step);
+    write_yield(&b, count, step, friction, batch->turns, batch->slope, &batch->yield[block]);
+    if (contacts->measured) measure_losses(&b, count, step, friction, &batch->yield[block]);
+}
+
+static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
+                          const struct scree_yield *yield, int lane, int turns) {
+    struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    for (int k = 0; k < 3; k++) {
+        ball->f[k] += yield->impulse[k][lane];
+        host->f[k] -= yield->impulse[k][lane];
+    }
+    for (int k = 0; turns && k < 3; k++) {
+        ball->t[k] += yield->turn_ball[k][lane];
+        host->t[k] += yield->turn_host[k][lane];
+    }
+}
+
+/* Keep the largest value so far, and whose it was. */
+static inline void note(double value, const struct scree_contact *contact, double *largest, int *ball, int *host) {
+    if (value <= *largest) return;
+    *largest = value;
+    *ball = contact->ball;
+    *host = contact->host;
+}
+
+static void collect(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
+                    int block) {
+    const struct scree_contact *contact = batch->contact + block * SCREE_LANES;
+    const struct scree_yield *yield = &batch->yield[block];
+    for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+        add_to_bodies(bodies, &contact[lane], yield, lane, batch->turns);
+        note(yield->depth[lane], &contact[lane], &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
+        note(yield->steep[lane], &contact[lane], &contacts->steepest, &contacts->steepest_ball,
+             &contacts->steepest_host);
+    }
+    if (contacts->measured) {
+        contacts->lost_normal += yield->lost_normal;
+        contacts->work_tangential += yield->work_tangential;
+    }
+}
+
+/* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
+static void act_blocks(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
+                       int blocks, double step, int threads) {
+    if (threads > 1 && blocks > 64) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
+    } else {
+        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
+    }
+}
+
+void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
+    for (int k = 0; k < contacts->batches; k++) {
+        const struct scree_batch *batch = &contacts->batch[k];
+        int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
+        act_blocks(contacts, bodies, batch, blocks, step, threads);
+        for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
+    }
+}
+
+int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,
+                           int index, struct scree_touch *touch) {
+    const struct scree_batch *batch = &contacts->batch[batch_index];
+    const struct scree_contact *contact = &batch->contact[index];
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    int block = index / SCREE_LANES, lane = index % SCREE_LANES;
+    struct block b;
+    gather(bodies, contact, 1, batch->geometry, &b);
+    if (!(b.overlap[0] > 0.0)) return 0;
+    struct scree_pair_constants pair;
+    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = batch->pair[batch->uniform ? 0 : block][c][lane];
+    const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
+    struct scree_normal_force f = normal->force(&rule->normal_constants, pair, b.overlap[0], b.closing[0]);
+    double force = f.elastic + f.damping * b.closing[0];
+    *touch = (struct scree_touch){.ball = contact->ball, .host = contact->host, .corner = contact->corner};
+    touch->overlap = b.overlap[0];
+    touch->closing = b.closing[0];
+    touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
+    touch->stored = normal->stored(&rule->normal_constants, pair, b.overlap[0]);
+    touch->normal = get(b.n, 0);
+    touch->point = vec_add(vec_from(bodies->record[contact->ball].x), get(b.arm, 0));
+    touch->slip = get(b.slip, 0);
+    if (rule->friction < 0) return 1;
+
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
+                               .velocity = touch->slip};
+    if (batch->memory) {
+        at.stretch = into_tangent_plane(get(batch->kept[block], lane), touch->normal);
+        at.sliding = batch->kept[block][3][lane];
+    }
+    struct scree_tangential t = friction->force(&rule->friction_constants, at);
+    touch->tangential = t.force;
+    touch->stretch = t.stretch;
+    touch->sliding = t.sliding > 0.0;
+    touch->stored_in_friction = friction->stored(&rule->friction_constants, t.stretch);
+    return 1;
+}

@@ -1,0 +1,106 @@
+/* What the figures of `scree reproduce` share. */
+#include "engine/cli/figures.h"
+
+#include "engine/scene_file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,
+                    double simulated, double bound) {
+    double error = fabs(simulated - expected) / (expected != 0.0 ? fabs(expected) : 1.0);
+    int pass = error <= bound;
+    figures->rows++;
+    figures->missed += !pass;
+    printf("%-4s %-58s %14.9g %14.9g %9.2e %9.2e  %s\n", figure, quantity, expected, simulated, error, bound,
+           pass ? "pass" : "MISS");
+    fprintf(figures->summary, "%s,\"%s\",%.17g,%.17g,%.17g,%.17g,%s\n", figure, quantity, expected, simulated, error,
+            bound, pass ? "pass" : "miss");
+}
+
+scree_scene *figures_scene(const struct figures *figures, const char *file, const char *const *assignments, int count,
+                           scree_trouble *trouble) {
+    struct scree_run_request request = {0};
+    scree_scene *scene = NULL;
+    char *path = scree_join(figures->data, file);
+    if (path)
+        scree_load_scene(path, assignments, count, 1, &scene, &request, trouble);
+    else
+        scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    scree_free_request(&request);
+    free(path);
+    return scene;
+}
+
+static char *file_name(const struct figures *figures, const char *name, const char *ending) {
+    size_t size = strlen(figures->folder) + strlen(name) + strlen(ending) + 2;
+    char *path = malloc(size);
+    if (path) snprintf(path, size, "%s/%s%s", figures->folder, name, ending);
+    return path;
+}
+
+scree_status figures_table(struct figures *figures, const char *name, const char *header, struct scree_out *out) {
+    char *path = file_name(figures, name, ".csv");
+    if (!path) return scree_report(&figures->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    scree_status status = scree_out_open(out, path, &figures->trouble);
+    if (!status) fprintf(out->file, "%s\n", header);
+    free(path);
+    return status;
+}
+
+/* Run gnuplot in the folder; the exit status, 127 if it can't be started. */
+static int run_gnuplot(const char *folder, const char *script) {
+    fflush(NULL);
+    pid_t child = fork();
+    if (child < 0) return 127;
+    if (child == 0) {
+        if (chdir(folder) == 0) execlp("gnuplot", "gnuplot", script, (char *)NULL);
+        _exit(127);
+    }
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+scree_status figures_plot(struct figures *figures, const char *name, const char *script) {
+    char *path = file_name(figures, name, ".gp");
+    struct scree_out out = {0};
+    scree_status status = path ? scree_out_open(&out, path, &figures->trouble)
+                               : scree_report(&figures->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    if (!status) {
+        fprintf(out.file,
+                "# Draws %s.svg from %s.csv: run gnuplot on this file in its folder.\n"
+                "set terminal svg size 760,520 enhanced font 'Helvetica,14' background rgb 'white'\n"
+                "set output '%s.svg'\n"
+                "set datafile separator ','\n"
+                "set datafile columnheaders\n"
+                "set grid lc rgb '#dddddd'\n"
+                "set key box lc rgb '#bbbbbb' opaque\n"
+                "# Told apart in grey too: by dash and point as well as by colour.\n"
+                "set style line 1 lc rgb '#000000' lw 2 dt 1 pt 6\n"
+                "set style line 2 lc rgb '#c03020' lw 2 dt 2 pt 2\n"
+                "set style line 3 lc rgb '#2060a0' lw 2 dt 4 pt 4\n"
+                "set style line 4 lc rgb '#208040' lw 2 dt 3 pt 8\n"
+                "set style line 5 lc rgb '#a06000' lw 2 dt 5 pt 10\n"
+                "set style line 6 lc rgb '#704090' lw 2 dt 6 pt 12\n"
+                "%s",
+                name, name, name, script);
+        status = scree_out_keep(&out, &figures->trouble);
+    }
+    if (!status && figures->plots) {
+        const char *base = strrchr(path, '/') + 1;
+        int code = run_gnuplot(figures->folder, base);
+        if (code == 127) {
+            figures->plots = 0;
+            printf("gnuplot can't be started: the data (.csv) and the plot scripts (.gp) are there, the "
+                   "plots aren't\n");
+        } else if (code)
+            status = scree_report(&figures->trouble, SCREE_FAILED, NULL, "gnuplot failed on %s", path);
+    }
+    free(path);
+    return status;
+}

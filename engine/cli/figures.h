@@ -1,0 +1,45 @@
+/* What the figures of `scree reproduce` share: scenes with changes, tables, plots, and the report of expected against
+ * simulated values. */
+#ifndef SCREE_CLI_FIGURES_H
+#define SCREE_CLI_FIGURES_H
+
+#include "engine/file.h"
+#include "engine/scree.h"
+
+struct figures {
+    const char *folder; /* where everything is written */
+    const char *data;   /* folder of the scenes */
+    int plots;          /* gnuplot can be run; cleared when it turns out that it can't */
+    int threads;
+    int rows, missed;
+    FILE *summary; /* table of the report, CSV */
+    scree_trouble trouble;
+};
+
+/* Each makes one figure: data, plot, rows of the report. */
+scree_status figure_5a(struct figures *figures);
+scree_status figure_6a(struct figures *figures);
+scree_status figure_7(struct figures *figures);
+scree_status figure_8(struct figures *figures);
+scree_status figure_9(struct figures *figures);
+scree_status figure_10(struct figures *figures);
+scree_status figure_11b(struct figures *figures);
+scree_status figure_12(struct figures *figures);
+scree_status figure_13(struct figures *figures);
+
+/* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
+void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,
+                    double simulated, double bound);
+
+/* A scene file from the data folder, changed by `count` assignments and baked; NULL after filling the trouble record. May be
+ * called from several threads, each with a trouble record of its own. */
+scree_scene *figures_scene(const struct figures *figures, const char *file, const char *const *assignments, int count,
+                           scree_trouble *trouble);
+
+/* Open NAME.csv with a header line. */
+scree_status figures_table(struct figures *figures, const char *name, const char *header, struct scree_out *out);
+
+/* Write NAME.gp (a fixed head, then `script`) and let gnuplot draw NAME.svg by it. The script stays beside the data. */
+scree_status figures_plot(struct figures *figures, const char *name, const char *script);
+
+#endif

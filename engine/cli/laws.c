@@ -1,0 +1,58 @@
+/* scree laws: the catalogue of contact laws. */
+#include "contact/catalogue.h"
+#include "engine/cli/cli.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: scree laws [NAME]\n"
+    "\n"
+    "List the contact laws, or print one: formula, source, parameters with unit and range, what to know.\n"
+    "\n"
+    "example: scree laws linear-loading\n";
+
+static void print_text(const struct scree_law_text *text, const char *kind, int memory) {
+    printf("%s (%s)\n  %s\n  source: %s\n  %s\n  memory: %s\n  parameters:\n", text->name, kind, text->formula,
+           text->source, text->note, memory ? "kept from step to step while the contact lasts" : "none");
+    for (const struct scree_parameter *p = text->parameters; p->name; p++) {
+        printf("    %-16s %-8s %-16s %s", p->name, p->unit, scree_range_text(p->range), p->meaning);
+        if (p->instead_of) printf("; instead of %s", p->instead_of);
+        if (p->optional && isnan(p->fallback)) printf("; optional");
+        if (p->optional && !isnan(p->fallback)) printf("; %g if not given", p->fallback);
+        printf("\n");
+    }
+}
+
+static void print_list(void) {
+    printf("normal laws\n");
+    for (int k = 0; scree_normal_laws[k]; k++)
+        printf("  %-16s %s\n", scree_normal_laws[k]->text.name, scree_normal_laws[k]->text.formula);
+    printf("friction laws\n");
+    for (int k = 0; scree_friction_laws[k]; k++)
+        printf("  %-16s %s\n", scree_friction_laws[k]->text.name, scree_friction_laws[k]->text.formula);
+    printf("`scree laws NAME` tells more.\n");
+}
+
+int cli_laws(int count, char **words) {
+    static const struct cli_option options[] = {{0}};
+    int code = cli_parse(&count, words, options, help);
+    if (code) return code < 0 ? EXIT_GOOD : code;
+    if (count == 0) print_list();
+    for (int n = 0; n < count; n++) {
+        int normal = scree_find_normal_law(words[n]), friction = scree_find_friction_law(words[n]);
+        if (normal >= 0) print_text(&scree_normal_laws[normal]->text, "normal law", 0);
+        if (friction >= 0)
+            print_text(&scree_friction_laws[friction]->text, "friction law", scree_friction_laws[friction]->memory);
+        if (normal >= 0 || friction >= 0) continue;
+        const char *names[128] = {0};
+        int found = 0;
+        for (int k = 0; scree_normal_laws[k]; k++) names[found++] = scree_normal_laws[k]->text.name;
+        for (int k = 0; scree_friction_laws[k]; k++) names[found++] = scree_friction_laws[k]->text.name;
+        const char *nearest = scree_nearest_name(words[n], names);
+        return cli_complain("there is no law called \"%s\"%s%s%s", words[n],
+                            nearest ? "; did you mean \"" : "; `scree laws` lists them", nearest ? nearest : "",
+                            nearest ? "\"?" : "");
+    }
+    return EXIT_GOOD;
+}

@@ -1,0 +1,145 @@
+/* The program: finds the subcommand and hands over. */
+#include "engine/cli/cli.h"
+#include "engine/scree.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "scree " SCREE_VERSION ": a discrete-element engine for people who study contacts\n"
+    "\n"
+    "usage: scree COMMAND [OPTION …]\n"
+    "\n"
+    "  run SCENE        simulate a scene; tables and frames into a folder\n"
+    "  check SCENE      validate a scene and print its plan: what runs, what is skipped, the step and why\n"
+    "  reproduce [FIGURE …]\n"
+    "                   the verification experiments and the figures of the process model\n"
+    "  laws [NAME]      the catalogue of contact laws: formula, source, parameters\n"
+    "\n"
+    "`scree COMMAND --help` tells more. Exit status: 0 success, 1 a result misses its bound or the "
+    "simulation failed,\n"
+    "2 wrong use or bad input.\n";
+
+static const struct {
+    const char *name;
+    int (*run)(int count, char **words);
+} commands[] = {{"run", cli_run}, {"check", cli_check}, {"reproduce", cli_reproduce}, {"laws", cli_laws}};
+
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+int cli_complain(const char *format, ...) {
+    va_list arguments;
+    fputs("scree: ", stderr);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    return EXIT_USAGE;
+}
+
+int cli_exit_code(scree_status status) {
+    return status == SCREE_OK                                    ? EXIT_GOOD
+           : status == SCREE_FAILED || status == SCREE_NO_MEMORY ? EXIT_MISSED
+                                                                 : EXIT_USAGE;
+}
+
+int cli_whole_number(const char *text, const char *option, int most) {
+    char *end;
+    errno = 0;
+    long value = strtol(text, &end, 10);
+    if (!*text || *end || errno || value < 1 || value > most) {
+        cli_complain("%s takes a whole number from 1 to %d, not \"%s\"", option, most, text);
+        return 0;
+    }
+    return (int)value;
+}
+
+/* The option that a word is, with its length; NULL if none. */
+static const struct cli_option *find_option(const char *word, const struct cli_option *options, size_t *length) {
+    *length = strcspn(word, "=");
+    for (; options->name; options++)
+        if (strlen(options->name) == *length && strncmp(options->name, word, *length) == 0) return options;
+    return NULL;
+}
+
+static int unknown_option(const char *word, const struct cli_option *options) {
+    const char *names[32] = {0};
+    for (int k = 0; options[k].name && k < 31; k++) names[k] = options[k].name;
+    const char *nearest = scree_nearest_name(word, names);
+    return cli_complain("unknown option %s%s%s%s", word, nearest ? "; did you mean " : "", nearest ? nearest : "",
+                        nearest ? "?" : "");
+}
+
+static int take_option(const struct cli_option *option, const char *value) {
+    if (option->list) {
+        if (*option->list_count == option->list_capacity)
+            return cli_complain("%s is given more than %d times", option->name, option->list_capacity);
+        option->list[(*option->list_count)++] = value;
+    } else
+        *option->value = value;
+    return EXIT_GOOD;
+}
+
+int cli_parse(int *count, char **words, const struct cli_option *options, const char *text) {
+    int rest = 0, only_names = 0;
+    for (int k = 0; k < *count; k++) {
+        const char *word = words[k];
+        if (only_names || word[0] != '-' || !word[1]) {
+            words[rest++] = words[k];
+            continue;
+        }
+        if (strcmp(word, "--") == 0) {
+            only_names = 1;
+            continue;
+        }
+        if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
+            fputs(text, stdout);
+            return -1;
+        }
+        size_t length;
+        const struct cli_option *option = find_option(word, options, &length);
+        if (!option) return unknown_option(word, options);
+        if (option->flag) {
+            if (word[length]) return cli_complain("%s takes no value", option->name);
+            *option->flag = 1;
+            continue;
+        }
+        const char *value = word[length] ? word + length + 1 : k + 1 < *count ? words[++k] : NULL;
+        if (!value) return cli_complain("%s needs a value", option->name);
+        int code = take_option(option, value);
+        if (code) return code;
+    }
+    *count = rest;
+    return EXIT_GOOD;
+}
+
+static int dispatch(int count, char **words) {
+    if (count < 2 || strcmp(words[1], "--help") == 0 || strcmp(words[1], "-h") == 0 || strcmp(words[1], "help") == 0) {
+        fputs(help, count < 2 ? stderr : stdout);
+        return count < 2 ? EXIT_USAGE : EXIT_GOOD;
+    }
+    if (strcmp(words[1], "--version") == 0) {
+        puts("scree " SCREE_VERSION);
+        return EXIT_GOOD;
+    }
+    const char *names[COMMANDS + 1] = {0};
+    for (int k = 0; k < COMMANDS; k++) {
+        names[k] = commands[k].name;
+        if (strcmp(words[1], names[k]) == 0) return commands[k].run(count - 2, words + 2);
+    }
+    const char *nearest = scree_nearest_name(words[1], names);
+    return cli_complain("there is no command \"%s\"%s%s%s", words[1],
+                        nearest ? "; did you mean \"" : "; see scree --help", nearest ? nearest : "",
+                        nearest ? "\"?" : "");
+}
+
+int main(int count, char **words) {
+    int code = dispatch(count, words);
+    /* What was printed has to arrive: a full device must not look like success. */
+    if ((fflush(stdout) != 0 || ferror(stdout)) && code != EXIT_USAGE)
+        return cli_complain("standard output: %s", errno ? strerror(errno) : "write error");
+    return code;
+}

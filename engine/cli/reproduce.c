@@ -1,0 +1,109 @@
+/* scree reproduce: the verification experiments and the figures of the process model. */
+#include "engine/cli/cli.h"
+#include "engine/cli/figures.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char help[] =
+    "usage: scree reproduce [-o DIR] [--data DIR] [--threads N] [--list] [FIGURE …]\n"
+    "\n"
+    "Simulate the verification experiments and the figures of the process model (all, or those named: see "
+    "--list). For\n"
+    "each: FIGURE.csv, FIGURE.svg drawn by gnuplot from FIGURE.gp, and rows of a table: quantity, expected, "
+    "simulated, error\n"
+    "(relative; absolute where 0 is expected), bound. The table is printed and written to DIR/report.csv. "
+    "Exit status 1\n"
+    "if a bound is missed. Without gnuplot data and scripts are written all the same.\n"
+    "\n"
+    "  -o DIR       where to write (default: figures)\n"
+    "  --data DIR   folder of the scenes (default: the one this program was built or installed with)\n"
+    "  --threads N  simulations at the same time (default: the number of processors)\n"
+    "\n"
+    "example: scree reproduce -o /tmp/figures 11b 12 13\n";
+
+static const struct {
+    const char *name, *title;
+    scree_status (*make)(struct figures *figures);
+} list[] = {
+    {"5a", "velocity of comb and product over the path, conventional motion", figure_5a},
+    {"6a", "positioning error over operating speed, conventional motion", figure_6a},
+    {"7", "the scene: bodies", figure_7},
+    {"8", "normal force over overlap, for each normal law", figure_8},
+    {"9", "friction coefficient over relative velocity, for each friction law", figure_9},
+    {"10", "the scene: contacts", figure_10},
+    {"11b", "inclined plane: product velocity over inclination", figure_11b},
+    {"12", "impact and slide: sliding distance over collision velocity", figure_12},
+    {"13", "restitution: product velocity over collision velocity", figure_13},
+};
+
+enum { FIGURES = sizeof list / sizeof list[0] };
+
+/* The folder with the scenes: beside the sources while they are there, else where it was installed. */
+static const char *find_data(void) {
+    return access(SCREE_SOURCE_DATA "/scenes/incline.toml", R_OK) == 0 ? SCREE_SOURCE_DATA "/scenes"
+                                                                       : SCREE_INSTALLED_DATA "/scenes";
+}
+
+static int find_figure(const char *name) {
+    for (int k = 0; k < FIGURES; k++)
+        if (strcmp(list[k].name, name) == 0) return k;
+    return -1;
+}
+
+static int select_figures(int count, char **words, int wanted[FIGURES]) {
+    for (int k = 0; k < FIGURES; k++) wanted[k] = count == 0;
+    for (int n = 0; n < count; n++) {
+        int k = find_figure(words[n]);
+        if (k < 0) return cli_complain("there is no figure \"%s\"; scree reproduce --list names them", words[n]);
+        wanted[k] = 1;
+    }
+    return EXIT_GOOD;
+}
+
+static scree_status make_figures(struct figures *figures, const int wanted[FIGURES]) {
+    struct scree_out summary = {0};
+    scree_status status = scree_make_folder(figures->folder, &figures->trouble);
+    if (!status)
+        status = figures_table(figures, "report", "figure,quantity,expected,simulated,error,bound,verdict", &summary);
+    if (status) return status;
+    figures->summary = summary.file;
+    printf("%-4s %-58s %14s %14s %9s %9s\n", "fig", "quantity", "expected", "simulated", "error", "bound");
+    for (int k = 0; k < FIGURES && !status; k++)
+        if (wanted[k]) status = list[k].make(figures);
+    if (status) {
+        scree_out_drop(&summary, 0);
+        return status;
+    }
+    return scree_out_keep(&summary, &figures->trouble);
+}
+
+int cli_reproduce(int count, char **words) {
+    const char *folder = "figures", *data = NULL, *threads = NULL;
+    int only_list = 0, wanted[FIGURES];
+    const struct cli_option options[] = {{.name = "-o", .value = &folder},
+                                         {.name = "--data", .value = &data},
+                                         {.name = "--threads", .value = &threads},
+                                         {.name = "--list", .flag = &only_list},
+                                         {0}};
+    int code = cli_parse(&count, words, options, help);
+    if (code) return code < 0 ? EXIT_GOOD : code;
+    for (int k = 0; only_list && k < FIGURES; k++) printf("%-4s %s\n", list[k].name, list[k].title);
+    if (only_list) return EXIT_GOOD;
+    code = select_figures(count, words, wanted);
+    if (code) return code;
+
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    int thread_count = threads ? cli_whole_number(threads, "--threads", 1024) : processors > 0 ? (int)processors : 1;
+    if (!thread_count) return EXIT_USAGE;
+    struct figures figures = {.folder = folder, .data = data ? data : find_data(), .plots = 1, .threads = thread_count};
+    scree_status status = make_figures(&figures, wanted);
+    if (status) {
+        cli_complain("%s", figures.trouble.text);
+        return cli_exit_code(status);
+    }
+    printf("%d of %d bounds met; written to %s\n", figures.rows - figures.missed, figures.rows, folder);
+    return figures.missed ? EXIT_MISSED : EXIT_GOOD;
+}

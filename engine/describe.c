@@ -1,0 +1,123 @@
+/* The plan of a scene in words: what runs, what is skipped and why, the step and what dictated it. */
+#include "engine/c_locale.h"
+#include "engine/scene.h"
+
+#include <math.h>
+
+static void describe_bodies(const scree_scene *scene, FILE *file) {
+    const struct scree_plan *plan = &scene->plan;
+    fprintf(file, "bodies: %d (%d moved by forces, %d driven, %d fixed)\n", scene->bodies.count, plan->free,
+            plan->driven, plan->fixed);
+    fprintf(file, "pairs of bodies: %ld, of which %ld can meet\n", plan->pairs_all, plan->pairs_meeting);
+    if (plan->pairs_still)
+        fprintf(file, "  skipped: %ld, since forces move neither body (fixed or driven)\n", plan->pairs_still);
+    if (plan->pairs_none)
+        fprintf(file, "  skipped: %ld, since the bodies pass through each other (none = true, or walls)\n",
+                plan->pairs_none);
+}
+
+static const char *material_name(const scree_scene *scene, int index) { return scene->material[index].name; }
+
+static void describe_creep(const struct scree_friction_law *law, const struct scree_law_constants *constants,
+                           FILE *file) {
+    /* The largest coefficient: walk up the ramp until the law holds no more. */
+    double largest = 0.0;
+    for (int k = 1; k <= 4000; k++) {
+        struct scree_sliding at = {.normal = 1.0, .velocity = {k * 1e-3 / law->slope(constants), 0.0, 0.0}};
+        largest = fmax(largest, -law->force(constants, at).force.x);
+    }
+    fprintf(file,
+            "    has no true rest: creeps at %.4g m/s under half and %.4g m/s under 0.9 of the largest "
+            "friction force\n",
+            scree_creep_speed(law, constants, 0.5 * largest), scree_creep_speed(law, constants, 0.9 * largest));
+}
+
+static void describe_rule(const scree_scene *scene, const struct scree_rule *rule, FILE *file) {
+    fprintf(file, "  \"%s\" with \"%s\": ", material_name(scene, rule->material[0]),
+            material_name(scene, rule->material[1]));
+    if (!rule->touches) {
+        fprintf(file, "none\n");
+        return;
+    }
+    const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
+    fprintf(file, "%s, %s", scree_normal_laws[rule->normal]->text.name,
+            friction ? friction->text.name : "frictionless");
+    if (rule->share > 1.0) fprintf(file, ", stiffness and damping shared by %g contacts", rule->share);
+    fprintf(file, "\n");
+    if (friction && friction->slope(&rule->friction_constants) > 0.0)
+        describe_creep(friction, &rule->friction_constants, file);
+}
+
+static void describe_near(const scree_scene *scene, FILE *file) {
+    static const char *const names[SCREE_GEOMETRIES] = {"ball on ball", "ball on plane", "ball on rectangle",
+                                                        "ball on box"};
+    long near[SCREE_GEOMETRIES] = {0};
+    for (int b = 0; b < scene->contacts.batches; b++)
+        near[scene->contacts.batch[b].geometry] += scene->contacts.batch[b].count;
+    fprintf(file, "contacts within reach at the start (gap up to %.3g m):", scene->contacts.skin);
+    int any = 0;
+    for (int g = 0; g < SCREE_GEOMETRIES; g++)
+        if (near[g]) fprintf(file, "%s %ld %s", any++ ? "," : "", near[g], names[g]);
+    fprintf(file, any ? "\n" : " none\n");
+}
+
+static void describe_step(const scree_scene *scene, FILE *file) {
+    const struct scree_step_choice *choice = &scene->plan.choice;
+    fprintf(file, "step: %.9g s, %s\n", choice->step, choice->automatic ? "automatic" : "as given");
+    if (choice->shortest_pair[0] < 0) {
+        fprintf(file, "  nothing can touch\n");
+        return;
+    }
+    fprintf(file, "  shortest contact: %.4g s (%.3g steps), \"%s\" with \"%s\"\n", choice->duration,
+            choice->duration / choice->step, scree_name(scene, choice->shortest_pair[0]),
+            scree_name(scene, choice->shortest_pair[1]));
+    fprintf(file, "  stable up to: %.4g s, \"%s\" with \"%s\"%s\n", choice->limit,
+            scree_name(scene, choice->limit_pair[0]), scree_name(scene, choice->limit_pair[1]),
+            choice->step > choice->limit ? "  (FORCED BEYOND IT)" : "");
+    if (choice->automatic)
+        fprintf(file, "  rule: 1/50 of the shortest contact%s\n",
+                choice->bound_by_damping ? ", here cut to 1/5 of the stability limit because of damping or friction"
+                                         : "");
+    fprintf(file, "  reckons with impacts up to %.4g m/s (%s)\n", choice->speed,
+            choice->speed_given ? "given"
+                                : "estimated from velocities, motions and heights; set time.speed if you know better");
+}
+
+static void describe_stages(const scree_scene *scene, FILE *file) {
+    const struct scree_contacts *contacts = &scene->contacts;
+    int memory = 0, friction = 0, frictionless = 0, regularised = 0;
+    for (int k = 0; k < contacts->rules; k++) {
+        const struct scree_rule *rule = &contacts->rule[k];
+        const struct scree_friction_law *law = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
+        friction += law != NULL;
+        frictionless += rule->touches && !law;
+        memory += law && law->memory;
+        regularised += law && law->slope(&rule->friction_constants) > 0.0;
+    }
+    fprintf(file, "runs each step: look ahead, gather, normal law%s%s, impulses, advance%s\n",
+            friction ? ", friction law" : "", memory ? " with memory" : "", scene->time.energy ? ", energy books" : "");
+    fprintf(file, "skipped:\n  search for contacts, until a body has moved %.3g m\n", 0.5 * contacts->skin);
+    if (frictionless)
+        fprintf(file, "  friction in %d kind%s of contact: frictionless\n", frictionless, frictionless > 1 ? "s" : "");
+    if (!memory) fprintf(file, "  contact memory: no law keeps any\n");
+    if (!friction && scene->plan.general == 0)
+        fprintf(file, "  torques and spins: nothing turns frictionless spheres\n");
+    if (scene->plan.balls)
+        fprintf(file, "  attitudes of %d free spheres: no contact depends on them\n", scene->plan.balls);
+    if (scene->plan.fixed)
+        fprintf(file, "  motion of %d fixed bod%s\n", scene->plan.fixed, scene->plan.fixed > 1 ? "ies" : "y");
+    if (!regularised) fprintf(file, "  watch on the slope of friction: no law is regularised by velocity\n");
+    if (!scene->gravity.tilts) fprintf(file, "  tilting of gravity\n");
+    if (!scene->time.energy) fprintf(file, "  energy books: not asked for\n");
+}
+
+void scree_scene_describe(const scree_scene *scene, FILE *file) {
+    struct scree_c_locale locale = scree_enter_c_locale();
+    describe_bodies(scene, file);
+    fprintf(file, "materials in contact:\n");
+    for (int k = 0; k < scene->contacts.rules; k++) describe_rule(scene, &scene->contacts.rule[k], file);
+    describe_near(scene, file);
+    describe_step(scene, file);
+    describe_stages(scene, file);
+    scree_leave_c_locale(locale);
+}

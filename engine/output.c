@@ -1,0 +1,201 @@
+/* What a run writes into its folder. Numbers in %.17g, so that they read back as the same doubles. */
+#include "engine/output.h"
+
+#include "engine/c_locale.h"
+#include "engine/vtk.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char bodies_header[] = "time_s,body,x_m,y_m,z_m,q_w,q_x,q_y,q_z,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,"
+                                    "wz_rad_s\n";
+static const char contacts_header[] = "time_s,ball,host,corner,x_m,y_m,z_m,nx,ny,nz,overlap_m,closing_m_s,slip_x_m_s,"
+                                      "slip_y_m_s,slip_z_m_s,normal_force_N,friction_x_N,friction_y_N,friction_z_N,"
+                                      "sliding\n";
+static const char energy_header[] =
+    "time_s,kinetic_J,rotational_J,potential_J,stored_J,lost_normal_J,lost_tangential_J,"
+    "driven_J,balance_J,deepest_overlap\n";
+static const char series_header[] =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
+static const char series_end[] = "</Collection>\n</VTKFile>\n";
+
+static scree_status open_one(struct scree_output *output, struct scree_out *out, const char *name, const char *header,
+                             scree_trouble *trouble) {
+    char *path = scree_join(output->folder, name);
+    if (!path) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    scree_status status = scree_out_open(out, path, trouble);
+    free(path);
+    if (!status) fputs(header, out->file);
+    return status;
+}
+
+scree_status scree_output_open(struct scree_output *output, const char *folder, const struct scree_run_request *request,
+                               scree_trouble *trouble) {
+    *output = (struct scree_output){.folder = folder, .request = request};
+    scree_status status = scree_make_folder(folder, trouble);
+    unsigned write = request->write;
+    if (!status && write & SCREE_WRITE_BODIES)
+        status = open_one(output, &output->bodies, "bodies.csv", bodies_header, trouble);
+    if (!status && write & SCREE_WRITE_CONTACTS)
+        status = open_one(output, &output->contacts, "contacts.csv", contacts_header, trouble);
+    if (!status && write & SCREE_WRITE_ENERGY)
+        status = open_one(output, &output->energy, "energy.csv", energy_header, trouble);
+    if (!status && write & SCREE_WRITE_VTK)
+        status = open_one(output, &output->series, "scene.pvd", series_header, trouble);
+    if (status) {
+        scree_out_drop(&output->bodies, 0);
+        scree_out_drop(&output->contacts, 0);
+        scree_out_drop(&output->energy, 0);
+        scree_out_drop(&output->series, 0);
+    }
+    return status;
+}
+
+/* A name as a CSV cell (RFC 4180): quoted if it must be. */
+static void put_name(FILE *file, const char *name) {
+    if (!strpbrk(name, ",\"\n\r")) {
+        fputs(name, file);
+        return;
+    }
+    fputc('"', file);
+    for (; *name; name++) {
+        if (*name == '"') fputc('"', file);
+        fputc(*name, file);
+    }
+    fputc('"', file);
+}
+
+static void put_numbers(FILE *file, const double *values, int count) {
+    for (int k = 0; k < count; k++) fprintf(file, ",%.17g", values[k]);
+}
+
+static void put_body(FILE *file, const scree_scene *scene, int k) {
+    scree_body_state state = scree_scene_body(scene, k);
+    fprintf(file, "%.17g,", scree_scene_time(scene));
+    put_name(file, scree_scene_body_name(scene, k));
+    put_numbers(file, state.position, 3);
+    put_numbers(file, state.orientation, 4);
+    put_numbers(file, state.velocity, 3);
+    put_numbers(file, state.spin, 3);
+    fputc('\n', file);
+}
+
+static void put_bodies(const struct scree_output *output, const scree_scene *scene) {
+    const struct scree_run_request *request = output->request;
+    for (int k = 0; k < request->bodies; k++) put_body(output->bodies.file, scene, request->body[k]);
+    for (int k = 0; request->bodies == 0 && k < scree_scene_bodies(scene); k++)
+        if (scree_scene_body_moves(scene, k)) put_body(output->bodies.file, scene, k);
+}
+
+static void put_contact(FILE *file, const scree_scene *scene, const scree_contact_state *state) {
+    fprintf(file, "%.17g,", scree_scene_time(scene));
+    put_name(file, scree_scene_body_name(scene, state->ball));
+    fputc(',', file);
+    put_name(file, scree_scene_body_name(scene, state->host));
+    fprintf(file, ",%d", state->corner);
+    put_numbers(file, state->point, 3);
+    put_numbers(file, state->normal, 3);
+    put_numbers(file, &state->overlap, 1);
+    put_numbers(file, &state->closing, 1);
+    put_numbers(file, state->slip, 3);
+    put_numbers(file, &state->normal_force, 1);
+    put_numbers(file, state->friction, 3);
+    fprintf(file, ",%d\n", state->sliding);
+}
+
+static scree_status put_contacts(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    int count = 0;
+    scree_status status = scree_scene_contacts(scene, output->touching, output->touching_capacity, &count);
+    if (!status && count > output->touching_capacity) {
+        scree_contact_state *grown = realloc(output->touching, 2 * (size_t)count * sizeof *grown);
+        if (!grown) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", count);
+        output->touching = grown;
+        output->touching_capacity = 2 * count;
+        status = scree_scene_contacts(scene, output->touching, output->touching_capacity, &count);
+    }
+    if (status) {
+        *trouble = *scree_scene_trouble(scene);
+        return status;
+    }
+    for (int k = 0; k < count; k++) put_contact(output->contacts.file, scene, &output->touching[k]);
+    return SCREE_OK;
+}
+
+static scree_status put_energy(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    scree_energy energy;
+    scree_status status = scree_scene_energy(scene, &energy);
+    if (status) {
+        *trouble = *scree_scene_trouble(scene);
+        return status;
+    }
+    const double values[] = {energy.kinetic, energy.rotational,  energy.potential,
+                             energy.stored,  energy.lost_normal, energy.lost_tangential,
+                             energy.driven,  energy.balance,     scree_scene_deepest(scene, NULL, NULL)};
+    fprintf(output->energy.file, "%.17g", scree_scene_time(scene));
+    put_numbers(output->energy.file, values, (int)(sizeof values / sizeof values[0]));
+    fputc('\n', output->energy.file);
+    return SCREE_OK;
+}
+
+static scree_status put_frames(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    for (int kind = 0; kind < SCREE_FRAME_KINDS; kind++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s_%06d.vtp", scree_frame_name((enum scree_frame_kind)kind), output->frames);
+        char *path = scree_join(output->folder, name);
+        if (!path) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+        scree_status status = scree_write_frame(scene, (enum scree_frame_kind)kind, path, trouble);
+        free(path);
+        if (status) return status;
+        fprintf(output->series.file, "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"%s\"/>\n", scree_scene_time(scene),
+                kind, name);
+    }
+    output->frames++;
+    return SCREE_OK;
+}
+
+scree_status scree_output_row(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    struct scree_c_locale locale = scree_enter_c_locale();
+    scree_status status = SCREE_OK;
+    if (output->bodies.file) put_bodies(output, scene);
+    if (output->contacts.file) status = put_contacts(output, scene, trouble);
+    if (!status && output->energy.file) status = put_energy(output, scene, trouble);
+    if (!status && output->series.file) status = put_frames(output, scene, trouble);
+    scree_leave_c_locale(locale);
+    return status;
+}
+
+static scree_status keep_state(const struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    char *path = scree_join(output->folder, "final.state");
+    if (!path) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    struct scree_out out;
+    scree_status status = scree_out_open(&out, path, trouble);
+    if (!status) {
+        status = scree_scene_save(scene, out.file, path);
+        if (status) *trouble = *scree_scene_trouble(scene);
+        if (status)
+            scree_out_drop(&out, 0);
+        else
+            status = scree_out_keep(&out, trouble);
+    }
+    free(path);
+    return status;
+}
+
+scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    if (output->series.file) fputs(series_end, output->series.file);
+    scree_status status = scree_out_keep(&output->bodies, trouble);
+    if (!status) status = scree_out_keep(&output->contacts, trouble);
+    if (!status) status = scree_out_keep(&output->energy, trouble);
+    if (!status) status = scree_out_keep(&output->series, trouble);
+    if (!status) status = keep_state(output, scene, trouble);
+    return status;
+}
+
+void scree_output_drop(struct scree_output *output) {
+    scree_out_drop(&output->bodies, 1);
+    scree_out_drop(&output->contacts, 1);
+    scree_out_drop(&output->energy, 1);
+    scree_out_drop(&output->series, 1);
+    free(output->touching);
+    output->touching = NULL;
+}

@@ -1,0 +1,341 @@
+/* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
+ * chosen from the stiffest contact that can happen. */
+#include "engine/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Steps per duration of the shortest contact that step = "auto" asks for, and the share of the stability limit that
+ * it never exceeds. */
+static const double steps_per_contact = 50.0, share_of_limit = 0.2;
+static const double pi = 3.14159265358979323846;
+
+/* ---- species: bodies that meet others alike ---- */
+
+/* Bodies of one material, shape kind and mobility. */
+struct species {
+    long count;
+    int lightest, other; /* of its bodies the lightest, and one more; -1 if there is none */
+};
+
+static int species_count(const struct scree_scene *scene) { return scene->materials * SCREE_SHAPE_KINDS * 2; }
+
+/* The table of species, to be freed; NULL if there is no memory. */
+static struct species *sort_into_species(const struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    struct species *species = calloc((size_t)species_count(scene), sizeof *species);
+    if (!species) return NULL;
+    for (int s = 0; s < species_count(scene); s++) species[s].lightest = species[s].other = -1;
+    for (int k = 0; k < bodies->count; k++) {
+        int index = bodies->material[k] * SCREE_SHAPE_KINDS + (int)bodies->shape[k].kind;
+        struct species *s = &species[2 * index + scree_joint_can_move(&bodies->joint[k])];
+        int lighter = s->count == 0 || bodies->record[k].inverse_mass > bodies->record[s->lightest].inverse_mass;
+        s->other = lighter ? s->lightest : k;
+        if (lighter) s->lightest = k;
+        s->count++;
+    }
+    return species;
+}
+
+/* ---- the step ---- */
+
+/* Softness of a box under springs at the four corners of a face, 1/kg summed over the corners: the largest eigenvalue of
+ * its motions, which is at least that of one corner alone. Along the normal the box heaves, pitches and rolls, sideways it
+ * slides (and tilts with it) or yaws; by symmetry these don't mix, so the largest of them counts. */
+static double box_softness(const struct scree_bodies *bodies, int k, int tangential) {
+    const struct scree_inertia *inertia = &bodies->inertia[k];
+    const double *half = bodies->attitude[bodies->slot[k]].half, *w = inertia->inverse_moments;
+    double centre = bodies->record[k].inverse_mass, softest = 0.0, a2[3];
+    for (int axis = 0; axis < 3; axis++) a2[axis] = half[axis] * half[axis];
+    for (int axis = 0; axis < 3; axis++) {
+        int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        double normal = fmax(centre, fmax(a2[v] * w[u], a2[u] * w[v]));
+        double slide = centre + a2[axis] * fmax(w[u], w[v]), yaw = (a2[u] + a2[v]) * w[axis];
+        softest = fmax(softest, 4.0 * (tangential ? fmax(slide, yaw) : normal));
+    }
+    double corner = centre + (a2[0] + a2[1] + a2[2]) * fmax(w[0], fmax(w[1], w[2]));
+    return fmax(softest, corner);
+}
+
+/* Velocity per unit of force that a contact with body k sees from it, 1/kg. */
+static double softness(const struct scree_bodies *bodies, int k, int tangential) {
+    if (bodies->shape[k].kind == SCREE_BOX &&
+        bodies->record[k].inverse_mass + bodies->inertia[k].inverse_moments[0] > 0)
+        return box_softness(bodies, k, tangential);
+    double centre = bodies->record[k].inverse_mass, radius = bodies->record[k].radius;
+    return tangential ? centre + radius * radius * bodies->inertia[k].inverse_moments[0] : centre;
+}
+
+/* Overlap at which the elastic energy of a contact equals m v^2/2; NAN for m = 0. */
+static double deepest_overlap(const struct scree_normal_law *law, const struct scree_law_constants *constants,
+                              struct scree_pair_constants pair, double mass, double speed) {
+    double energy = 0.5 * mass * speed * speed, low = 0.0, high = 1e-9;
+    while (law->stored(constants, pair, high) < energy && high < 1e6) high *= 2.0;
+    for (int k = 0; k < 60; k++) {
+        double middle = 0.5 * (low + high);
+        if (law->stored(constants, pair, middle) < energy)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}
+
+struct pair_rates {
+    double stiffness;     /* largest eigenvalue of M^-1 K, 1/s^2 */
+    double damping;       /* of M^-1 C, 1/s */
+    double friction_ramp; /* of the ramp of a velocity-regularised friction law under the pair's own weight, 1/s */
+};
+
+static struct pair_rates rates_of(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
+                                  double speed) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    const struct scree_normal_law *law = scree_normal_laws[rule->normal];
+    int balls = bodies->shape[i].kind == SCREE_SPHERE && bodies->shape[j].kind == SCREE_SPHERE;
+    double mass = scree_effective_mass(bodies, i, j) / rule->share;
+    double radius = scree_effective_radius(bodies, i, j, balls ? SCREE_BALL_BALL : SCREE_BALL_PLANE);
+    struct scree_pair_constants pair = law->pair(&rule->normal_constants, mass, radius);
+    double overlap = deepest_overlap(law, &rule->normal_constants, pair, mass, speed);
+    struct scree_normal_force at = law->force(&rule->normal_constants, pair, overlap, speed);
+    struct scree_normal_force less = law->force(&rule->normal_constants, pair, 0.999 * overlap, speed);
+    double stiffness = (at.elastic - less.elastic) / (0.001 * overlap);
+
+    double normal = softness(bodies, i, 0) + softness(bodies, j, 0);
+    struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0};
+    if (rule->friction < 0) return rates;
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    double tangential = softness(bodies, i, 1) + softness(bodies, j, 1);
+    double gravity = vec_norm(vec_from(scene->gravity.vector));
+    double weight = gravity * scree_effective_mass(bodies, i, j) / rule->share;
+    rates.stiffness = fmax(rates.stiffness, friction->stiffness(&rule->friction_constants) * tangential);
+    rates.damping = fmax(rates.damping, friction->damping(&rule->friction_constants) * tangential);
+    rates.friction_ramp = friction->slope(&rule->friction_constants) * weight * tangential;
+    return rates;
+}
+
+/* Step at which h^2 K + 4 h C = 4: beyond it position Verlet with predicted velocities is unstable. From the
+ * scheme's characteristic polynomial l^3 - 2 l^2 + l + h^2 K l^2 + h C (3 l^2 - 4 l + 1)/2 at l = -1, which is
+ * where the first root leaves the unit circle (the other Jury conditions are weaker). */
+static double stable_step(struct pair_rates rates) {
+    double c = rates.damping + rates.friction_ramp, k = rates.stiffness;
+    double root = 2.0 * c + sqrt(4.0 * c * c + 4.0 * k);
+    return root > 0.0 ? 4.0 / root : HUGE_VAL;
+}
+
+/* Height that a body could fall through: from the highest to the lowest along gravity. */
+static double fall_height(const struct scree_scene *scene) {
+    struct vec g = vec_from(scene->gravity.vector);
+    double size = vec_norm(g), low = HUGE_VAL, high = -HUGE_VAL;
+    for (int k = 0; size > 0.0 && k < scene->bodies.count; k++) {
+        double height = -vec_dot(g, vec_from(scene->bodies.state[k].x)) / size;
+        low = fmin(low, height);
+        high = fmax(high, height);
+    }
+    return high > low ? high - low : 0.0;
+}
+
+static double fastest_motion(const struct scree_motion *motion) {
+    double fastest = 0.0;
+    for (int k = 0; k < motion->count; k++) {
+        double start = motion->pieces[k].start;
+        double end = k + 1 < motion->count ? motion->pieces[k + 1].start : start + 1.0;
+        for (int part = 0; part < 32; part++)
+            fastest = fmax(fastest, fabs(scree_motion_at(motion, start + (end - start) * part / 32.0).velocity));
+    }
+    return fastest;
+}
+
+/* Largest impact speed to reckon with: what the bodies and the drives have, and what a fall adds. */
+static double estimate_speed(const struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    double fastest = 0.0, driven = 0.0;
+    for (int k = 0; k < bodies->count; k++) {
+        double spin = vec_norm(scree_bodies_spin(bodies, k, 0.0));
+        double reach = bodies->shape[k].kind == SCREE_PLANE ? 0.0 : bodies->record[k].bound;
+        fastest = fmax(fastest, vec_norm(vec_from(bodies->state[k].v)) + spin * reach);
+        for (int axis = 0; axis < 3; axis++)
+            if (bodies->joint[k].along[axis] == SCREE_DRIVEN)
+                driven = fmax(driven, fastest_motion(&bodies->motion[bodies->joint[k].along_motion[axis]]));
+        if (bodies->joint[k].turn == SCREE_DRIVEN)
+            driven = fmax(driven, reach * fastest_motion(&bodies->motion[bodies->joint[k].turn_motion]));
+    }
+    double fall = sqrt(2.0 * vec_norm(vec_from(scene->gravity.vector)) * fall_height(scene));
+    double speed = fastest + driven + fall;
+    return speed > 0.0 ? speed : 1.0;
+}
+
+static void note_pair(double value, int i, int j, double *least, int pair[2]) {
+    if (!(value < *least)) return;
+    *least = value;
+    pair[0] = i;
+    pair[1] = j;
+}
+
+static void find_limits(const struct scree_scene *scene, const struct species *species,
+                        struct scree_step_choice *choice) {
+    choice->limit = choice->duration = HUGE_VAL;
+    choice->limit_pair[0] = choice->limit_pair[1] = choice->shortest_pair[0] = choice->shortest_pair[1] = -1;
+    for (int s = 0; s < species_count(scene); s++) {
+        for (int t = s; t < species_count(scene); t++) {
+            int i = species[s].lightest, j = s == t ? species[s].other : species[t].lightest;
+            if (i < 0 || j < 0) continue;
+            const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, &scene->bodies, i, j, NULL);
+            if (!rule) continue;
+            struct pair_rates rates = rates_of(scene, rule, i, j, choice->speed);
+            note_pair(stable_step(rates), i, j, &choice->limit, choice->limit_pair);
+            note_pair(pi / sqrt(rates.stiffness), i, j, &choice->duration, choice->shortest_pair);
+        }
+    }
+}
+
+static double automatic_step(const struct scree_time_def *time, struct scree_step_choice *choice) {
+    double step = choice->duration / steps_per_contact;
+    choice->bound_by_damping = share_of_limit * choice->limit < step;
+    if (choice->bound_by_damping) step = share_of_limit * choice->limit;
+    if (!(step < HUGE_VAL)) step = time->divide > 0.0 ? time->divide / 100.0 : 1e-3; /* nothing can touch */
+    if (time->divide > 0.0) step = time->divide / ceil(time->divide / step);
+    return step;
+}
+
+static scree_status choose_step(struct scree_scene *scene, const struct species *species) {
+    struct scree_step_choice *choice = &scene->plan.choice;
+    const struct scree_time_def *time = &scene->time;
+    choice->speed_given = time->speed > 0.0;
+    choice->speed = choice->speed_given ? time->speed : estimate_speed(scene);
+    find_limits(scene, species, choice);
+    choice->automatic = time->step == 0.0;
+    choice->step = choice->automatic ? automatic_step(time, choice) : time->step;
+    scene->step = choice->step;
+    if (choice->step <= choice->limit || time->force) return SCREE_OK;
+    return scree_report(
+        &scene->trouble, SCREE_BAD_INPUT, "step",
+        "a step of %g s is beyond the stability limit of the stiffest contact, %g s (\"%s\" with \"%s\" at "
+        "%g m/s); take a smaller one or step = \"auto\", or set force = true",
+        choice->step, choice->limit, scree_name(scene, choice->limit_pair[0]), scree_name(scene, choice->limit_pair[1]),
+        choice->speed);
+}
+
+/* ---- bodies and contacts ---- */
+
+static scree_status make_bodies(struct scree_scene *scene) {
+    struct scree_bodies *bodies = &scene->bodies;
+    scree_status status = scree_bodies_create(bodies, scene->defs, &scene->trouble);
+    if (status) return status;
+    bodies->motion = scene->motion;
+    bodies->motions = scene->motions;
+    scene->motion = NULL;
+    for (int k = 0; k < scene->defs; k++) {
+        scree_bodies_set(bodies, k, &scene->def[k], scene->material[scene->def[k].material].density);
+        bodies->name[k] = strdup(scene->def[k].name);
+        if (!bodies->name[k]) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for names");
+    }
+    status = scree_bodies_finish(bodies, scene->def, &scene->trouble);
+    if (!status) scree_bodies_start(bodies, 0.0);
+    return status;
+}
+
+static void count_bodies(struct scree_scene *scene) {
+    struct scree_plan *plan = &scene->plan;
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 0; k < bodies->count; k++) {
+        int moves = scree_joint_can_move(&bodies->joint[k]);
+        plan->free += moves;
+        plan->fixed += scree_joint_is_fixed(&bodies->joint[k]);
+        plan->driven += !moves && !scree_joint_is_fixed(&bodies->joint[k]);
+        plan->balls += bodies->class[k] == SCREE_CLASS_BALL;
+        plan->general += bodies->class[k] == SCREE_CLASS_GENERAL;
+    }
+}
+
+/* Sort all pairs of bodies, species by species, into those that can meet and those that can't; fails on a pair that could
+ * meet without a rule. */
+static scree_status check_pairs(struct scree_scene *scene, const struct species *species) {
+    struct scree_plan *plan = &scene->plan;
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int s = 0; s < species_count(scene); s++) {
+        for (int t = s; t < species_count(scene); t++) {
+            long pairs = s == t ? species[s].count * (species[s].count - 1) / 2 : species[s].count * species[t].count;
+            if (pairs == 0) continue;
+            int i = species[s].lightest, j = s == t ? species[s].other : species[t].lightest, missing = 0;
+            int still = !scree_joint_can_move(&bodies->joint[i]) && !scree_joint_can_move(&bodies->joint[j]);
+            const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, &missing);
+            if (missing)
+                return scree_report(
+                    &scene->trouble, SCREE_BAD_INPUT, NULL,
+                    "bodies \"%s\" and \"%s\" could meet, but there is no contact between their materials "
+                    "\"%s\" and \"%s\": add one (or one with none = true, to let them pass through each "
+                    "other)",
+                    scree_name(scene, i), scree_name(scene, j), scene->material[bodies->material[i]].name,
+                    scene->material[bodies->material[j]].name);
+            plan->pairs_all += pairs;
+            plan->pairs_meeting += rule ? pairs : 0;
+            plan->pairs_still += !rule && still ? pairs : 0;
+            plan->pairs_none += !rule && !still ? pairs : 0;
+        }
+    }
+    return SCREE_OK;
+}
+
+/* Gap up to which contacts are listed. Wide where bodies are few (lists cost little, making them anew does), narrow
+ * where they are many. */
+static double choose_skin(const struct scree_bodies *bodies) {
+    double thinnest = HUGE_VAL;
+    for (int k = 0; k < bodies->count; k++) thinnest = fmin(thinnest, scree_shape_half_width(&bodies->shape[k]));
+    if (!(thinnest < HUGE_VAL)) thinnest = 1.0;
+    return (bodies->count <= 256 ? 1.0 : 0.4) * thinnest;
+}
+
+static scree_status check_start_overlaps(struct scree_scene *scene) {
+    struct scree_contacts *contacts = &scene->contacts;
+    for (int b = 0; b < contacts->batches; b++) {
+        for (int k = 0; k < contacts->batch[b].count; k++) {
+            struct scree_touch touch;
+            if (!scree_contacts_measure(contacts, &scene->bodies, b, k, &touch)) continue;
+            double limit = fmin(scene->bodies.record[touch.ball].limit, scene->bodies.record[touch.host].limit);
+            if (touch.overlap <= limit) continue;
+            return scree_report(
+                &scene->trouble, SCREE_BAD_INPUT, "position",
+                "bodies \"%s\" and \"%s\" overlap by %g m at the start; the most that makes sense is %g m",
+                scree_name(scene, touch.ball), scree_name(scene, touch.host), touch.overlap, limit);
+        }
+    }
+    return SCREE_OK;
+}
+
+static scree_status plan_pairs_and_step(struct scree_scene *scene) {
+    struct species *species = sort_into_species(scene);
+    if (!species) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the plan");
+    scree_status status = check_pairs(scene, species);
+    if (!status) status = choose_step(scene, species);
+    free(species);
+    return status;
+}
+
+static scree_status bake(struct scree_scene *scene) {
+    scree_status status = make_bodies(scene);
+    if (!status)
+        status = scree_contacts_create(&scene->contacts, scene->defs, scene->materials, scene->rule, scene->rules,
+                                       &scene->trouble);
+    if (status) return status;
+    count_bodies(scene);
+    status = plan_pairs_and_step(scene);
+    if (status) return status;
+    scene->contacts.skin = choose_skin(&scene->bodies);
+    scene->contacts.measured = scene->time.energy;
+    status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+    if (!status) status = check_start_overlaps(scene);
+    if (status || !scene->time.energy) return status;
+    scree_energy energy;
+    status = scree_scene_energy(scene, &energy);
+    scene->first_energy = energy.balance;
+    return status;
+}
+
+scree_status scree_scene_bake(scree_scene *scene) {
+    if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "the scene is baked already");
+    if (scene->defs == 0) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "the scene has no bodies");
+    scree_status status = bake(scene);
+    scene->baked = status ? -1 : 1;
+    return status;
+}

@@ -1,0 +1,288 @@
+/* Scenes: creating, defining, destroying. Whatever is given in is checked here and copied. */
+#include "engine/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+scree_scene *scree_scene_create(void) { return calloc(1, sizeof(scree_scene)); }
+
+void scree_scene_destroy(scree_scene *scene) {
+    if (!scene) return;
+    for (int k = 0; k < scene->materials; k++) free((char *)(uintptr_t)scene->material[k].name);
+    for (int k = 0; k < scene->defs; k++) free((char *)(uintptr_t)scene->def[k].name);
+    for (int k = 0; scene->motion && k < scene->motions; k++) scree_motion_free(&scene->motion[k]);
+    for (int k = 0; k < scene->motions; k++) free(scene->motion_name[k]);
+    free(scene->material);
+    free(scene->motion);
+    free(scene->motion_name);
+    free(scene->rule);
+    free(scene->def);
+    scree_bodies_free_shadow(&scene->shadow);
+    scree_bodies_destroy(&scene->bodies);
+    scree_contacts_destroy(&scene->contacts);
+    free(scene);
+}
+
+const scree_trouble *scree_scene_trouble(const scree_scene *scene) { return &scene->trouble; }
+
+/* Make room for one more entry of `size` bytes in an array of `count`. */
+static scree_status make_room(scree_scene *scene, void **array, int count, int *capacity, size_t size) {
+    if (count < *capacity) return SCREE_OK;
+    int grown = *capacity ? 2 * *capacity : 8;
+    void *memory = realloc(*array, (size_t)grown * size);
+    if (!memory) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for %d definitions", grown);
+    *array = memory;
+    *capacity = grown;
+    return SCREE_OK;
+}
+
+static scree_status check_new(scree_scene *scene, const char *what, const char *name, int known) {
+    if (scene->baked)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene takes no new %s", what);
+    if (!name || !name[0]) return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name", "a %s needs a name", what);
+    if (known >= 0)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name", "there are two of the %s \"%s\"", what, name);
+    return SCREE_OK;
+}
+
+static scree_status copy_name(scree_scene *scene, const char *name, char **copy) {
+    *copy = strdup(name);
+    return *copy ? SCREE_OK : scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for a name");
+}
+
+int scree_scene_find_material(const scree_scene *scene, const char *name) {
+    for (int k = 0; name && k < scene->materials; k++)
+        if (strcmp(scene->material[k].name, name) == 0) return k;
+    return -1;
+}
+
+int scree_scene_find_motion(const scree_scene *scene, const char *name) {
+    for (int k = 0; name && k < scene->motions; k++)
+        if (strcmp(scene->motion_name[k], name) == 0) return k;
+    return -1;
+}
+
+int scree_scene_find_body(const scree_scene *scene, const char *name) {
+    for (int k = 0; name && k < scene->defs; k++)
+        if (strcmp(scene->def[k].name, name) == 0) return k;
+    return -1;
+}
+
+scree_status scree_scene_add_material(scree_scene *scene, const scree_material_def *def, int *index) {
+    scree_status status = check_new(scene, "material", def->name, scree_scene_find_material(scene, def->name));
+    if (status) return status;
+    if (!(def->density >= 0.0) || !isfinite(def->density))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "density",
+                            "the density of material \"%s\" must be a positive number in kg/m^3, got %g", def->name,
+                            def->density);
+    char *name = NULL;
+    status = make_room(scene, (void **)&scene->material, scene->materials, &scene->material_capacity,
+                       sizeof *scene->material);
+    if (!status) status = copy_name(scene, def->name, &name);
+    if (status) return status;
+    scene->material[scene->materials] = *def;
+    scene->material[scene->materials].name = name;
+    if (index) *index = scene->materials;
+    scene->materials++;
+    return SCREE_OK;
+}
+
+scree_status scree_scene_add_motion(scree_scene *scene, const scree_motion_def *def, int *index) {
+    scree_status status = check_new(scene, "motion", def->name, scree_scene_find_motion(scene, def->name));
+    if (status) return status;
+    int capacity = scene->motion_capacity;
+    char *name = NULL;
+    struct scree_motion motion;
+    status = make_room(scene, (void **)&scene->motion, scene->motions, &scene->motion_capacity, sizeof *scene->motion);
+    if (!status)
+        status = make_room(scene, (void **)&scene->motion_name, scene->motions, &capacity, sizeof *scene->motion_name);
+    if (!status) status = scree_motion_bake(def, &motion, &scene->trouble);
+    if (status) return status;
+    status = copy_name(scene, def->name, &name);
+    if (status) {
+        scree_motion_free(&motion);
+        return status;
+    }
+    scene->motion[scene->motions] = motion;
+    scene->motion_name[scene->motions] = name;
+    if (index) *index = scene->motions;
+    scene->motions++;
+    return SCREE_OK;
+}
+
+scree_status scree_scene_add_contact(scree_scene *scene, const scree_contact_def *def) {
+    int a = def->between[0], b = def->between[1];
+    if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene takes no new contact");
+    if (a < 0 || b < 0 || a >= scene->materials || b >= scene->materials)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "between",
+                            "a contact is between two materials of the scene, got indices %d and %d", a, b);
+    const char *first = scene->material[a].name, *second = scene->material[b].name;
+    for (int k = 0; k < scene->rules; k++) {
+        const int *other = scene->rule[k].material;
+        if ((other[0] == a && other[1] == b) || (other[0] == b && other[1] == a))
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "between",
+                                "there are two contacts between \"%s\" and \"%s\"", first, second);
+    }
+    scree_status status =
+        make_room(scene, (void **)&scene->rule, scene->rules, &scene->rule_capacity, sizeof *scene->rule);
+    if (status) return status;
+    scree_trouble cause;
+    status = scree_bake_rule(def, &scene->rule[scene->rules], &cause);
+    if (status)
+        return scree_report(&scene->trouble, status, cause.field, "contact between \"%s\" and \"%s\": %s", first,
+                            second, cause.text);
+    scene->rules++;
+    return SCREE_OK;
+}
+
+static int all_finite(const double *values, int count) {
+    for (int k = 0; k < count; k++)
+        if (!isfinite(values[k])) return 0;
+    return 1;
+}
+
+static int is_zero(const double a[3]) { return a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0; }
+
+static scree_status check_numbers(scree_scene *scene, const scree_body_def *def) {
+    const struct {
+        const char *field;
+        const double *values;
+        int count;
+    } vectors[] = {{"position", def->position, 3},
+                   {"orientation", def->orientation, 4},
+                   {"velocity", def->velocity, 3},
+                   {"spin", def->spin, 3},
+                   {"joint", def->joint.axis, 3}};
+    for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
+        if (!all_finite(vectors[k].values, vectors[k].count))
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, vectors[k].field,
+                                "%s of body \"%s\" must consist of finite numbers", vectors[k].field, def->name);
+    const double *q = def->orientation;
+    double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (norm2 != 0.0 && !(norm2 > 1e-12 && norm2 < 1e12))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "orientation",
+                            "the orientation of body \"%s\" is no quaternion that can be normalised", def->name);
+    if (!(def->mass >= 0.0) || !isfinite(def->mass))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "mass", "the mass of body \"%s\" must be > 0 kg, got %g",
+                            def->name, def->mass);
+    return SCREE_OK;
+}
+
+static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
+    const scree_joint *joint = &def->joint;
+    int wall = def->shape.kind == SCREE_PLANE || def->shape.kind == SCREE_RECTANGLE;
+    int bad_motion = joint->turn == SCREE_DRIVEN && (joint->turn_motion < 0 || joint->turn_motion >= scene->motions);
+    int moving_free = 0;
+    for (int k = 0; k < 3; k++) {
+        bad_motion |=
+            joint->along[k] == SCREE_DRIVEN && (joint->along_motion[k] < 0 || joint->along_motion[k] >= scene->motions);
+        moving_free |= joint->along[k] != SCREE_FREE && def->velocity[k] != 0.0;
+    }
+    if (bad_motion)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
+                            "body \"%s\" is driven by a motion that isn't there", def->name);
+    if (wall && scree_joint_can_move(joint))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
+                            "body \"%s\" is a %s: it has no mass, so each direction must be fixed or driven", def->name,
+                            scree_shape_name(def->shape.kind));
+    if (moving_free)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "velocity",
+                            "body \"%s\" has a velocity along a direction that its joint fixes or drives", def->name);
+    if (joint->turn != SCREE_FREE && !is_zero(def->spin))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "spin",
+                            "body \"%s\" has a spin though its joint fixes or drives its turning", def->name);
+    if (joint->turn == SCREE_DRIVEN && is_zero(joint->axis))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
+                            "the driven turn of body \"%s\" needs an axis other than zero", def->name);
+    return SCREE_OK;
+}
+
+/* A plane that turned about anything but its normal would sweep through space infinitely fast far out. */
+static scree_status check_turning_plane(scree_scene *scene, const scree_body_def *def) {
+    if (def->shape.kind != SCREE_PLANE || def->joint.turn != SCREE_DRIVEN) return SCREE_OK;
+    struct quat q = {1.0, 0.0, 0.0, 0.0};
+    const double *o = def->orientation;
+    if (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0 || o[3] != 0.0) q = quat_normalise(quat_from(o));
+    struct vec axis = vec_from(def->joint.axis);
+    if (vec_norm(vec_cross(quat_to_mat(q).column[2], axis)) <= 1e-9 * vec_norm(axis)) return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
+                        "the plane \"%s\" can turn about its normal only; use a rectangle or a box", def->name);
+}
+
+static scree_status check_mass(scree_scene *scene, const scree_body_def *def) {
+    if (!scree_joint_can_move(&def->joint) || def->mass > 0.0 || scene->material[def->material].density > 0.0)
+        return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, "mass",
+                        "body \"%s\" has no mass: give it one (kg), or its material \"%s\" a density (kg/m^3)",
+                        def->name, scene->material[def->material].name);
+}
+
+scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index) {
+    scree_status status = check_new(scene, "body", def->name, scree_scene_find_body(scene, def->name));
+    if (status) return status;
+    if (def->material < 0 || def->material >= scene->materials)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "material",
+                            "body \"%s\" is of material %d, which isn't there", def->name, def->material);
+    scree_trouble cause;
+    status = scree_shape_check(&def->shape, &cause);
+    if (status) return scree_report(&scene->trouble, status, cause.field, "body \"%s\": %s", def->name, cause.text);
+    status = check_numbers(scene, def);
+    if (!status) status = check_joint(scene, def);
+    if (!status) status = check_turning_plane(scene, def);
+    if (!status) status = check_mass(scene, def);
+    if (!status) status = make_room(scene, (void **)&scene->def, scene->defs, &scene->def_capacity, sizeof *scene->def);
+    char *name = NULL;
+    if (!status) status = copy_name(scene, def->name, &name);
+    if (status) return status;
+    scene->def[scene->defs] = *def;
+    scene->def[scene->defs].name = name;
+    if (index) *index = scene->defs;
+    scene->defs++;
+    return SCREE_OK;
+}
+
+scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def *def) {
+    if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene keeps its gravity");
+    if (!all_finite(def->vector, 3) || !all_finite(def->axis, 3))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "gravity",
+                            "gravity must consist of finite numbers (m/s^2)");
+    if (def->tilts && (def->tilt < 0 || def->tilt >= scene->motions))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "gravity", "gravity tilts by a motion that isn't there");
+    if (def->tilts && is_zero(def->axis))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "gravity",
+                            "tilting gravity needs an axis other than zero");
+    scene->gravity = *def;
+    return SCREE_OK;
+}
+
+scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def) {
+    if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene keeps its step");
+    const struct {
+        const char *field;
+        double value;
+    } numbers[] = {{"step", def->step}, {"divide", def->divide}, {"speed", def->speed}};
+    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
+        if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
+                                "%s must be a positive number, got %g", numbers[k].field, numbers[k].value);
+    if (def->threads < 0 || def->threads > 1024)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
+                            def->threads);
+    scene->time = *def;
+    return SCREE_OK;
+}
+
+void scree_gravity_at(const struct scree_scene *scene, double time, double gravity[3]) {
+    struct vec g = vec_from(scene->gravity.vector);
+    if (scene->gravity.tilts) {
+        /* Rodrigues' formula. */
+        double angle = scree_motion_at(&scene->bodies.motion[scene->gravity.tilt], time).position, s, c;
+        struct vec a = vec_from(scene->gravity.axis);
+        a = vec_scale(1.0 / vec_norm(a), a);
+        scree_sincos(angle, &s, &c);
+        struct vec along = vec_scale((1.0 - c) * vec_dot(a, g), a);
+        g = vec_add(vec_axpy(vec_scale(c, g), s, vec_cross(a, g)), along);
+    }
+    vec_store(g, gravity);
+}

@@ -1,0 +1,67 @@
+/* A scene from the inside: definitions until it is baked, then the plan and the running state. */
+#ifndef SCREE_ENGINE_SCENE_H
+#define SCREE_ENGINE_SCENE_H
+
+#include "contact/contacts.h"
+#include "engine/scree.h"
+
+/* How the step was chosen, and what limits it. */
+struct scree_step_choice {
+    double step;
+    double limit;      /* s: the scheme is unstable beyond it */
+    int limit_pair[2]; /* bodies of the contact that sets the limit; -1: nothing limits */
+    double duration;   /* s: of the shortest contact */
+    int shortest_pair[2];
+    double speed; /* m/s reckoned with */
+    int speed_given;
+    int automatic;
+    int bound_by_damping; /* the automatic step is below 1/50 of a contact because of damping or friction */
+};
+
+/* What the plan says about the scene. */
+struct scree_plan {
+    struct scree_step_choice choice;
+    int free, driven, fixed;       /* bodies */
+    int balls, general;            /* free or driven ones, by class */
+    long pairs_all, pairs_meeting; /* pairs of bodies */
+    long pairs_still, pairs_none;  /* skipped: forces move neither; materials or shapes that pass through each other */
+};
+
+struct scree_scene {
+    scree_trouble trouble;
+    int baked; /* 0: still being defined, 1: ready, -1: baking failed */
+
+    /* Definitions. Strings and arrays in them are owned. */
+    int materials, motions, rules, defs;
+    int material_capacity, motion_capacity, rule_capacity, def_capacity;
+    scree_material_def *material;
+    struct scree_motion *motion; /* handed over to `bodies` when baked */
+    char **motion_name;
+    struct scree_rule *rule;
+    scree_body_def *def;
+    scree_gravity_def gravity;
+    scree_time_def time;
+
+    /* The running scene. */
+    struct scree_plan plan;
+    struct scree_bodies bodies;
+    struct scree_bodies shadow; /* records at the instant of the state, made when first measured */
+    struct scree_contacts contacts;
+    double step;
+    long steps;
+    double driven;       /* J put in by drives and tilting so far */
+    double first_energy; /* J at the start */
+};
+
+/* Gravity at a time, m/s^2. */
+void scree_gravity_at(const struct scree_scene *scene, double time, double gravity[3]);
+
+/* Bring the shadow to the state; SCREE_NO_MEMORY. */
+scree_status scree_scene_look_now(struct scree_scene *scene);
+
+/* Name of body k for messages. */
+static inline const char *scree_name(const struct scree_scene *scene, int k) {
+    return k >= 0 ? scene->bodies.name[k] : "nothing";
+}
+
+#endif

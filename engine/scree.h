@@ -1,0 +1,145 @@
+/* scree: a discrete-element engine for spheres and boxes that touch, slide, stick, bounce and come to rest.
+ *
+ * A scene is defined (materials, contacts between them, motions, bodies, gravity, time), baked, and stepped. SI units
+ * throughout: m, kg, s, N, rad. Definitions are plain structs whose zero means the default. What can fail returns a
+ * scree_status and leaves the details in the scene's trouble record. Nothing prints, exits or keeps globals; several
+ * scenes can run in several threads at once, one thread a scene. Strings and arrays given in are copied.
+ *
+ * The state after a run is the same in every bit for any number of threads, with and without measurements, and
+ * after save and restore. */
+#ifndef SCREE_H
+#define SCREE_H
+
+#include "bodies/body.h"
+#include "bodies/motion.h"
+#include "bodies/trouble.h"
+#include "contact/choice.h"
+
+#include <stdint.h>
+#include <stdio.h>
+
+#define SCREE_VERSION "0.1.0"
+
+typedef struct scree_scene scree_scene;
+
+typedef struct scree_material_def {
+    const char *name; /* unique, not empty */
+    double density;   /* kg/m^3; 0: bodies of this material need a mass of their own (or can't be moved by forces) */
+} scree_material_def;
+
+typedef struct scree_gravity_def {
+    double vector[3]; /* m/s^2; zero: none */
+    int tilts;        /* turn the vector about `axis` by the angle (rad) that motion `tilt` prescribes */
+    int tilt;         /* index of the motion */
+    double axis[3];   /* right-handed; need not be normalised */
+} scree_gravity_def;
+
+typedef enum scree_integrator {
+    SCREE_VERLET = 0 /* position Verlet with predicted velocities; second order except where a contact begins or ends */
+} scree_integrator;
+
+typedef struct scree_time_def {
+    double step;   /* s; 0: chosen from the stiffest possible contact (1/50 of its duration), a little less so that
+                     `divide` is a whole number of steps */
+    double divide; /* s; 0: no such wish */
+    scree_integrator integrator;
+    double speed; /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
+    int force;    /* accept a step beyond the stability limit */
+    int threads;  /* 0: 1 */
+    int energy;   /* keep the energy books (scree_scene_energy) */
+} scree_time_def;
+
+/* An empty scene, NULL if there is no memory. The caller destroys it; NULL may be destroyed too. */
+SCREE_API scree_scene *scree_scene_create(void);
+SCREE_API void scree_scene_destroy(scree_scene *scene);
+
+/* Details of the last function that failed on this scene. Belongs to the scene. */
+SCREE_API const scree_trouble *scree_scene_trouble(const scree_scene *scene);
+
+/* Definitions, before baking. `index` (may be NULL) receives the number that other definitions refer to.
+ * SCREE_BAD_INPUT: names doubled or missing, numbers that aren't finite or out of range, unknown laws. */
+SCREE_API scree_status scree_scene_add_material(scree_scene *scene, const scree_material_def *def, int *index);
+SCREE_API scree_status scree_scene_add_motion(scree_scene *scene, const scree_motion_def *def, int *index);
+SCREE_API scree_status scree_scene_add_contact(scree_scene *scene, const scree_contact_def *def);
+SCREE_API scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index);
+SCREE_API scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def *def);
+SCREE_API scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def);
+
+/* Index of a material, motion or body by name; -1 if there is none. */
+SCREE_API int scree_scene_find_material(const scree_scene *scene, const char *name);
+SCREE_API int scree_scene_find_motion(const scree_scene *scene, const char *name);
+SCREE_API int scree_scene_find_body(const scree_scene *scene, const char *name);
+
+/* Check the whole scene and make the plan; after it definitions can't change. SCREE_BAD_INPUT: bodies whose materials
+ * could meet without a contact between them, bodies overlapping by more than half a half-width, a step beyond the
+ * stability limit of the stiffest contact. */
+SCREE_API scree_status scree_scene_bake(scree_scene *scene);
+
+/* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */
+SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
+
+/* Advance by `steps` steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body faster
+ * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then. */
+SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
+
+/* Time reached (s), length of a step (s), steps taken, number of bodies. */
+SCREE_API double scree_scene_time(const scree_scene *scene);
+SCREE_API double scree_scene_step_length(const scree_scene *scene);
+SCREE_API long scree_scene_steps(const scree_scene *scene);
+SCREE_API int scree_scene_bodies(const scree_scene *scene);
+
+typedef struct scree_body_state {
+    double position[3], orientation[4], velocity[3], spin[3]; /* as in scree_body_def */
+} scree_body_state;
+
+/* State, name, shape, mass (kg; 0: none) and mobility (1: free or driven in some direction) of body `index` (0 … count - 1). The name belongs to the scene. */
+SCREE_API scree_body_state scree_scene_body(const scree_scene *scene, int index);
+SCREE_API const char *scree_scene_body_name(const scree_scene *scene, int index);
+SCREE_API scree_shape scree_scene_body_shape(const scree_scene *scene, int index);
+SCREE_API double scree_scene_body_mass(const scree_scene *scene, int index);
+SCREE_API int scree_scene_body_moves(const scree_scene *scene, int index);
+
+/* Energy in J since the start. `balance` is what the books lack: kinetic + rotational + potential + stored +
+ * lost_normal + lost_tangential - driven, less its value at the start; the error of the integration. */
+typedef struct scree_energy {
+    double kinetic, rotational, potential, stored;
+    double lost_normal, lost_tangential; /* dissipated in contacts */
+    double driven;                       /* put in by prescribed motions and by tilting gravity */
+    double balance;
+} scree_energy;
+
+/* All zero but kinetic, rotational, potential and stored unless scree_time_def.energy was set. SCREE_NO_MEMORY. */
+SCREE_API scree_status scree_scene_energy(scree_scene *scene, scree_energy *energy);
+
+/* A contact that touches now. */
+typedef struct scree_contact_state {
+    int ball, host;                   /* bodies: the ball (a sphere or the corner of a box) and its partner */
+    int corner;                       /* 0 … 7: bits for +x, +y, +z; -1: a sphere */
+    double point[3], normal[3];       /* normal from the host to the ball */
+    double overlap, closing, slip[3]; /* m, m/s, m/s */
+    double normal_force, friction[3]; /* N, on the ball */
+    int sliding;                      /* for laws with memory */
+} scree_contact_state;
+
+/* Contacts that touch now, at most `capacity` of them into `contacts` (may be NULL); `count` receives how many there
+ * are. SCREE_NO_MEMORY. */
+SCREE_API scree_status scree_scene_contacts(scree_scene *scene, scree_contact_state *contacts, int capacity,
+                                            int *count);
+
+/* Largest overlap so far in parts of the tolerable one (half a half-width); the bodies (-1: none), any may be NULL. */
+SCREE_API double scree_scene_deepest(const scree_scene *scene, int *ball, int *host);
+
+/* Largest product so far of step, normal force, inverse mass and slope of a velocity-regularised friction law: beyond
+ * 1 friction overshoots within a step and the sliding velocity chatters about zero. 0 without such laws. */
+SCREE_API double scree_scene_steepest(const scree_scene *scene, int *ball, int *host);
+
+/* 64-bit hash (FNV-1a) of the state: steps, positions, velocities, angular momenta, attitudes, contact memory. */
+SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);
+
+/* Write the state to a file (`name` for messages), and read it into a baked scene of the same definition, which then
+ * goes on as if never interrupted. SCREE_NO_FILE; SCREE_BAD_INPUT for a file of another scene or a damaged one (the
+ * scene stays as it was). */
+SCREE_API scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name);
+SCREE_API scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *name);
+
+#endif

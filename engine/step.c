@@ -1,0 +1,102 @@
+/* One time step from top to bottom, and what stops a run. */
+#include "engine/scene.h"
+
+#include <math.h>
+
+double scree_scene_time(const scree_scene *scene) { return (double)scene->steps * scene->step; }
+double scree_scene_step_length(const scree_scene *scene) { return scene->step; }
+long scree_scene_steps(const scree_scene *scene) { return scene->steps; }
+
+/* Report that the run went wrong in body `body` (and `other`, -1: none) now. */
+static scree_status stop(scree_scene *scene, int body, int other, const char *cause) {
+    double time = scree_scene_time(scene);
+    char with[160] = "";
+    if (other >= 0) snprintf(with, sizeof with, " with \"%.120s\"", scree_name(scene, other));
+    scree_report(&scene->trouble, SCREE_FAILED, NULL, "stopped at t = %.9g s: body \"%s\"%s: %s", time,
+                 scree_name(scene, body), with, cause);
+    scene->trouble.time = time;
+    scene->trouble.body = body;
+    scene->trouble.other = other;
+    return SCREE_FAILED;
+}
+
+static int is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
+
+/* A list that has outlived its margin is made anew; before, the bodies that moved are looked at: where a number isn't
+ * finite, or a body crosses in one step what the list keeps watch over, no list can help. */
+static scree_status renew_list(scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 0; k < bodies->count; k++) {
+        const struct scree_record *record = &bodies->record[k];
+        if (!is_finite(record->x) || !is_finite(record->v) || !is_finite(record->w))
+            return stop(scene, k, -1,
+                        "its position or velocity is no longer a finite number; the step is too large or a "
+                        "contact too stiff");
+        double speed = vec_norm(vec_from(record->v));
+        if (speed * scene->step > scene->contacts.skin) {
+            char cause[160];
+            snprintf(cause, sizeof cause,
+                     "it moves %.3g m in one step, more than the thinnest body is thick (%.3g m): it could "
+                     "pass through "
+                     "unnoticed; take a smaller step",
+                     speed * scene->step, scene->contacts.skin);
+            return stop(scene, k, -1, cause);
+        }
+    }
+    return scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+}
+
+static scree_status check_depth(scree_scene *scene) {
+    const struct scree_contacts *contacts = &scene->contacts;
+    if (contacts->deepest <= 1.0) return SCREE_OK;
+    char cause[160];
+    double limit =
+        fmin(scene->bodies.record[contacts->deepest_ball].limit, scene->bodies.record[contacts->deepest_host].limit);
+    snprintf(cause, sizeof cause,
+             "overlap of %.3g m, beyond half a half-width (%.3g m): too soft, too fast or too long a step",
+             contacts->deepest * limit, limit);
+    return stop(scene, contacts->deepest_ball, contacts->deepest_host, cause);
+}
+
+/* Work of the drives on their bodies during the step, and of gravity's tilting. */
+static void book_drives(scree_scene *scene, double time) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    double before[3], after[3];
+    scree_gravity_at(scene, time, before);
+    scree_gravity_at(scene, time + scene->step, after);
+    for (int k = 0; k < bodies->count; k++) {
+        const struct scree_record *record = &bodies->record[k];
+        const scree_joint *joint = &bodies->joint[k];
+        for (int axis = 0; axis < 3; axis++) {
+            if (joint->along[axis] == SCREE_DRIVEN) scene->driven -= record->f[axis] * record->v[axis];
+            if (joint->along[axis] == SCREE_FREE && scene->gravity.tilts)
+                scene->driven -= bodies->inertia[k].mass * (after[axis] - before[axis]) * record->x[axis];
+            if (joint->turn == SCREE_DRIVEN) scene->driven -= record->t[axis] * record->w[axis];
+        }
+    }
+}
+
+static scree_status step_once(scree_scene *scene) {
+    struct scree_bodies *bodies = &scene->bodies;
+    double time = scree_scene_time(scene), step = scene->step, gravity[3];
+    scree_gravity_at(scene, time + 0.5 * step, gravity);
+    if (scree_bodies_look_ahead(bodies, time, step, gravity, 0.5 * scene->contacts.skin)) {
+        scree_status status = renew_list(scene);
+        if (status) return status;
+    }
+    scree_contacts_act(&scene->contacts, bodies, step, scene->time.threads);
+    if (scene->time.energy) book_drives(scene, time);
+    scree_bodies_advance(bodies, time, step, gravity);
+    scene->steps++;
+    return check_depth(scene);
+}
+
+scree_status scree_scene_step(scree_scene *scene, long steps) {
+    if (scene->baked != 1)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can step");
+    for (long k = 0; k < steps; k++) {
+        scree_status status = step_once(scene);
+        if (status) return status;
+    }
+    return SCREE_OK;
+}

@@ -1,0 +1,27 @@
+/* Tables of numbers in CSV: a header line that names the columns, then rows of numbers. Lines that begin with # and empty
+ * lines are skipped. */
+#ifndef SCREE_ENGINE_TABLE_H
+#define SCREE_ENGINE_TABLE_H
+
+#include "bodies/trouble.h"
+
+#include <stddef.h>
+
+enum { SCREE_TABLE_COLUMNS = 32 };
+
+/* Columns by name. Owns its memory. */
+struct scree_table {
+    int columns;
+    size_t rows;
+    char *name[SCREE_TABLE_COLUMNS];     /* as in the header, without blanks */
+    double *column[SCREE_TABLE_COLUMNS]; /* rows entries */
+};
+
+/* Parse `text` (NUL-terminated, changed). SCREE_BAD_INPUT names file, line and column of a bad cell. */
+scree_status scree_table_parse(char *text, const char *file, struct scree_table *table, scree_trouble *trouble);
+void scree_table_free(struct scree_table *table);
+
+/* Column whose name is `name` or begins with `name` and an underscore (a unit follows); NULL if there is none. */
+const double *scree_table_column(const struct scree_table *table, const char *name);
+
+#endif

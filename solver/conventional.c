@@ -1,0 +1,58 @@
+/* The conventional motion of a comb and a rigid product. */
+#include "solver/conventional.h"
+
+#include <math.h>
+
+double scree_conventional_duration(const struct scree_conventional *motion, double cycles) {
+    return 60.0 * motion->share / cycles;
+}
+
+void scree_conventional_at(const struct scree_conventional *motion, double cycles, double time, double *position,
+                           double *velocity, double *acceleration) {
+    double duration = scree_conventional_duration(motion, cycles), s = motion->stroke;
+    double u = fmin(fmax(time / duration, 0.0), 1.0);
+    *position = s * u * u * u * (10.0 - u * (15.0 - 6.0 * u));
+    *velocity = s / duration * 30.0 * u * u * (1.0 - u) * (1.0 - u);
+    *acceleration = s / (duration * duration) * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u);
+}
+
+double scree_conventional_limit(const struct scree_conventional *motion) {
+    double largest = 10.0 / sqrt(3.0); /* of |a| T^2/s, at u = 1/2 +- sqrt(3)/6 */
+    return 60.0 * motion->share * sqrt(motion->friction * motion->gravity / (largest * motion->stroke));
+}
+
+double scree_conventional_detachment(const struct scree_conventional *motion, double cycles) {
+    double duration = scree_conventional_duration(motion, cycles);
+    if (cycles <= scree_conventional_limit(motion)) return duration;
+    /* The deceleration grows from u = 1/2 to its largest value: one root in between. */
+    double low = 0.5, high = 0.5 + sqrt(3.0) / 6.0, x, v, a;
+    for (int k = 0; k < 100; k++) {
+        double middle = 0.5 * (low + high);
+        scree_conventional_at(motion, cycles, middle * duration, &x, &v, &a);
+        if (a > -motion->friction * motion->gravity)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high) * duration;
+}
+
+double scree_conventional_error(const struct scree_conventional *motion, double cycles) {
+    if (cycles <= scree_conventional_limit(motion)) return 0.0;
+    double x, v, a;
+    scree_conventional_at(motion, cycles, scree_conventional_detachment(motion, cycles), &x, &v, &a);
+    return fmax(0.0, x + v * v / (2.0 * motion->friction * motion->gravity) - motion->stroke);
+}
+
+double scree_conventional_critical(const struct scree_conventional *motion, double tolerance) {
+    double low = scree_conventional_limit(motion), high = 2.0 * low;
+    while (scree_conventional_error(motion, high) < tolerance) high *= 2.0;
+    for (int k = 0; k < 100; k++) {
+        double middle = 0.5 * (low + high);
+        if (scree_conventional_error(motion, middle) < tolerance)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}
