@@ -50,3 +50,10 @@ const char *scree_nearest_name(const char *wrong, const char *const *names) {
     }
     return nearest;
 }
+
+struct scree_hint scree_hint(const char *wrong, const char *const *names) {
+    struct scree_hint hint = {""};
+    const char *nearest = scree_nearest_name(wrong, names);
+    if (nearest) snprintf(hint.text, sizeof hint.text, "; did you mean \"%.64s\"?", nearest);
+    return hint;
+}

@@ -38,4 +38,10 @@ scree_status scree_report(scree_trouble *trouble, scree_status status, const cha
 /* The name in `names` (NULL-terminated) that is most like `wrong`, for messages; NULL if none is near. */
 const char *scree_nearest_name(const char *wrong, const char *const *names);
 
+/* "; did you mean "x"?" with that name, or "" if none is near: the end of a message, written into `text`. */
+struct scree_hint {
+    char text[96];
+};
+struct scree_hint scree_hint(const char *wrong, const char *const *names);
+
 #endif

@@ -29,24 +29,8 @@ int scree_find_friction_law(const char *name) {
 }
 
 static scree_status unknown_law(const char *name, const char *kind, const char *const *names, scree_trouble *trouble) {
-    const char *nearest = scree_nearest_name(name, names);
-    return scree_report(trouble, SCREE_BAD_INPUT, kind, "there is no %s law called \"%s\"%s%s%s", kind, name,
-                        nearest ? "; did you mean \"" : "; `scree laws` lists them", nearest ? nearest : "",
-                        nearest ? "\"?" : "");
-}
-
-static scree_status find_laws(const scree_contact_def *def, struct scree_rule *rule, scree_trouble *trouble) {
-    const char *names[MOST_LAWS] = {0};
-    rule->normal = scree_find_normal_law(def->normal.law);
-    for (int k = 0; scree_normal_laws[k]; k++) names[k] = scree_normal_laws[k]->text.name;
-    if (rule->normal < 0) return unknown_law(def->normal.law, "normal", names, trouble);
-    rule->friction = -1;
-    if (!def->friction.law || !def->friction.law[0]) return SCREE_OK;
-    memset(names, 0, sizeof names);
-    for (int k = 0; scree_friction_laws[k]; k++) names[k] = scree_friction_laws[k]->text.name;
-    rule->friction = scree_find_friction_law(def->friction.law);
-    if (rule->friction < 0) return unknown_law(def->friction.law, "friction", names, trouble);
-    return SCREE_OK;
+    return scree_report(trouble, SCREE_BAD_INPUT, "law", "there is no %s law called \"%s\"%s", kind, name,
+                        scree_hint(name, names).text);
 }
 
 const char *scree_range_text(enum scree_range range) {
@@ -96,10 +80,8 @@ static scree_status read_settings(const struct scree_law_text *text, const scree
         if (index < 0) {
             const char *names[SCREE_PARAMETERS + 1] = {0};
             for (int p = 0; text->parameters[p].name; p++) names[p] = text->parameters[p].name;
-            const char *nearest = scree_nearest_name(setting->name, names);
-            return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "the law \"%s\" has no parameter \"%s\"%s%s%s",
-                                text->name, setting->name, nearest ? "; did you mean \"" : "", nearest ? nearest : "",
-                                nearest ? "\"?" : "");
+            return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "the law \"%s\" has no parameter \"%s\"%s",
+                                text->name, setting->name, scree_hint(setting->name, names).text);
         }
         const struct scree_parameter *parameter = &text->parameters[index];
         if (!in_range(setting->value, parameter->range))
@@ -156,6 +138,43 @@ static scree_status read_values(const struct scree_law_text *text, const scree_l
     return SCREE_OK;
 }
 
+static scree_status bake_normal(const scree_law_choice *choice, struct scree_rule *rule, scree_trouble *trouble) {
+    if (!choice->law || !choice->law[0])
+        return scree_report(trouble, SCREE_BAD_INPUT, NULL, "a contact needs a normal law, or none = true");
+    rule->normal = scree_find_normal_law(choice->law);
+    if (rule->normal < 0) {
+        const char *names[MOST_LAWS] = {0};
+        for (int k = 0; scree_normal_laws[k]; k++) names[k] = scree_normal_laws[k]->text.name;
+        return unknown_law(choice->law, "normal", names, trouble);
+    }
+    struct scree_values values;
+    const struct scree_normal_law *law = scree_normal_laws[rule->normal];
+    scree_status status = read_values(&law->text, choice, rule->share, &values, trouble);
+    return status ? status : law->bake(&values, &rule->normal_constants, trouble);
+}
+
+static scree_status bake_friction(const scree_law_choice *choice, struct scree_rule *rule, scree_trouble *trouble) {
+    rule->friction = scree_find_friction_law(choice->law);
+    if (rule->friction < 0) {
+        const char *names[MOST_LAWS] = {0};
+        for (int k = 0; scree_friction_laws[k]; k++) names[k] = scree_friction_laws[k]->text.name;
+        return unknown_law(choice->law, "friction", names, trouble);
+    }
+    struct scree_values values;
+    const struct scree_friction_law *law = scree_friction_laws[rule->friction];
+    scree_status status = read_values(&law->text, choice, rule->share, &values, trouble);
+    return status ? status : law->bake(&values, &rule->friction_constants, trouble);
+}
+
+/* Say in which part of the definition the field of the trouble stands. */
+static scree_status within(const char *part, scree_status status, scree_trouble *trouble) {
+    if (!status || !trouble) return status;
+    char field[sizeof trouble->field];
+    snprintf(field, sizeof field, "%s%s%.40s", part, trouble->field[0] ? "." : "", trouble->field);
+    memcpy(trouble->field, field, sizeof field);
+    return status;
+}
+
 scree_status scree_bake_rule(const scree_contact_def *def, struct scree_rule *rule, scree_trouble *trouble) {
     *rule = (struct scree_rule){.material = {def->between[0], def->between[1]}, .friction = -1, .share = 1.0};
     rule->touches = !def->none;
@@ -163,22 +182,10 @@ scree_status scree_bake_rule(const scree_contact_def *def, struct scree_rule *ru
     if (def->shared_by < 0)
         return scree_report(trouble, SCREE_BAD_INPUT, "shared_by", "shared_by must be a positive count, got %d",
                             def->shared_by);
-    if (!def->normal.law || !def->normal.law[0])
-        return scree_report(trouble, SCREE_BAD_INPUT, "normal", "a contact needs a normal law, or none = true");
     rule->share = def->shared_by ? def->shared_by : 1;
-    scree_status status = find_laws(def, rule, trouble);
-    if (status) return status;
-
-    struct scree_values values;
-    const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    status = read_values(&normal->text, &def->normal, rule->share, &values, trouble);
-    if (!status) status = normal->bake(&values, &rule->normal_constants, trouble);
-    if (status || rule->friction < 0) return status;
-
-    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
-    status = read_values(&friction->text, &def->friction, rule->share, &values, trouble);
-    if (!status) status = friction->bake(&values, &rule->friction_constants, trouble);
-    return status;
+    scree_status status = within("normal", bake_normal(&def->normal, rule, trouble), trouble);
+    if (status || !def->friction.law || !def->friction.law[0]) return status;
+    return within("friction", bake_friction(&def->friction, rule, trouble), trouble);
 }
 
 static double coefficient_at(const struct scree_friction_law *law, const struct scree_law_constants *constants,

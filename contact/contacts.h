@@ -128,6 +128,9 @@ double scree_effective_radius(const struct scree_bodies *bodies, int ball, int h
 
 /* ---- between the files of this folder ---- */
 
+/* How deep the ball of a body can be in a rectangle before the whole body is below it, m. */
+static inline double scree_thickness(const struct scree_record *ball) { return ball->radius + 2.0 * ball->limit; }
+
 /* Pairs of bodies whose bounds come within `skin`, sorted by (i, j). */
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               scree_trouble *trouble);

@@ -27,14 +27,16 @@ static inline struct scree_meeting scree_meet_plane(struct vec centre, double ra
     return (struct scree_meeting){n, radius - vec_dot(n, vec_sub(centre, origin))};
 }
 
-/* A plane that acts only while the ball's centre is above it inside the borders. `beyond` widens them. */
+/* A plane that acts only while the ball's centre is above or in it inside the borders. It has an upper side only: a ball
+ * deeper than `thick` is below it and doesn't touch. `beyond` widens the borders. */
 static inline struct scree_meeting scree_meet_rectangle(struct vec centre, double radius, struct vec origin,
-                                                        const struct mat *frame, const double half[3], double beyond) {
+                                                        const struct mat *frame, const double half[3], double thick,
+                                                        double beyond) {
     struct vec d = vec_sub(centre, origin);
     double x = vec_dot(frame->column[0], d), y = vec_dot(frame->column[1], d);
-    int inside = fabs(x) <= half[0] + beyond && fabs(y) <= half[1] + beyond;
-    struct vec n = frame->column[2];
-    return (struct scree_meeting){n, inside ? radius - vec_dot(n, d) : SCREE_OUTSIDE};
+    double overlap = radius - vec_dot(frame->column[2], d);
+    int inside = fabs(x) <= half[0] + beyond && fabs(y) <= half[1] + beyond && overlap <= thick + beyond;
+    return (struct scree_meeting){frame->column[2], inside ? overlap : SCREE_OUTSIDE};
 }
 
 /* A box with its core (half-lengths `half`) swept by `rounding`: the nearest point of the core while the centre is outside

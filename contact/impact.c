@@ -58,11 +58,18 @@ static double locate_end(const struct pair *pair, struct motion at, double h) {
     return high;
 }
 
-/* A time in which the contact surely gets well under way: that in which the elastic energy would stop the approach. */
-static double time_scale(const struct pair *pair, double speed) {
+/* Time in which the elastic energy would stop the approach: the scale of the spring. */
+static double spring_time(const struct pair *pair, double speed) {
     double energy = 0.5 * pair->mass * speed * speed, deepest = 1e-12;
     while (pair->law->stored(pair->constants, pair->of_pair, deepest) < energy && deepest < 1e6) deepest *= 1.25;
     return deepest / speed;
+}
+
+/* A four-thousandth of the shorter of the times in which spring and dashpot change the motion here. */
+static double step_length(const struct pair *pair, struct motion at, double spring) {
+    double closing = pair->approaching ? 1e-300 : -1e-300;
+    double damping = pair->law->force(pair->constants, pair->of_pair, at.overlap, closing).damping;
+    return fmin(spring, pair->mass / (damping + 1e-300)) / 4000.0;
 }
 
 struct scree_impact scree_impact(const struct scree_normal_law *law, const struct scree_law_constants *constants,
@@ -71,8 +78,9 @@ struct scree_impact scree_impact(const struct scree_normal_law *law, const struc
     struct pair pair = {law, constants, of_pair, mass, external, 1};
     struct motion at = {0.0, speed};
     struct scree_impact result = {.force = force_on(&pair, at)};
-    double h = time_scale(&pair, speed) / 4000.0;
+    double spring = spring_time(&pair, speed);
     for (long k = 0; k < 4000000; k++) {
+        double h = step_length(&pair, at, spring);
         struct motion next = step(&pair, at, h);
         double taken = h;
         int over = !(phase_left(&pair, next) > 0.0);

@@ -60,7 +60,9 @@ static double gap(const struct scree_bodies *bodies, int ball, int host, int cor
     case SCREE_PLANE:
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
-        return -scree_meet_rectangle(centre, a->radius, origin, &partner->frame, partner->half, skin).overlap;
+        return -scree_meet_rectangle(centre, a->radius, origin, &partner->frame, partner->half, scree_thickness(a),
+                                     skin)
+                    .overlap;
     case SCREE_BOX:
         return -scree_meet_box(centre, a->radius, origin, &partner->frame, partner->half, b->radius).overlap;
     default:

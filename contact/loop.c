@@ -29,14 +29,15 @@ struct block {
 static int padded(int count) { return (count + 3) & ~3; }
 
 static inline struct scree_meeting meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                                        enum scree_geometry geometry, struct vec centre, double radius) {
+                                        enum scree_geometry geometry, struct vec centre, double radius,
+                                        double thickness) {
     const struct scree_record *host = &bodies->record[contact->host];
     struct vec origin = vec_from(host->x);
     if (geometry == SCREE_BALL_BALL) return scree_meet_ball(centre, radius, origin, host->radius);
     const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[contact->host]];
     if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
     if (geometry == SCREE_BALL_RECTANGLE)
-        return scree_meet_rectangle(centre, radius, origin, &attitude->frame, attitude->half, 0.0);
+        return scree_meet_rectangle(centre, radius, origin, &attitude->frame, attitude->half, thickness, 0.0);
     return scree_meet_box(centre, radius, origin, &attitude->frame, attitude->half, host->radius);
 }
 
@@ -56,7 +57,7 @@ static inline void gather_one(const struct scree_bodies *bodies, const struct sc
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     struct vec corner = vec_from(bodies->corner[contact->corner]);
     struct vec centre = vec_add(vec_from(ball->x), corner);
-    struct scree_meeting m = meet(bodies, contact, geometry, centre, ball->radius);
+    struct scree_meeting m = meet(bodies, contact, geometry, centre, ball->radius, scree_thickness(ball));
     /* Both bodies are acted on at one point, the middle of the overlap, so that angular momentum is kept. */
     struct vec arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal);
     struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));

@@ -62,9 +62,7 @@ static void check_keys(struct reader *r, const struct scree_toml *table, const c
         int known = 0;
         for (const char *const *key = keys; *key; key++) known |= strcmp(*key, child->key) == 0;
         if (known) continue;
-        const char *nearest = scree_nearest_name(child->key, keys);
-        complain(r, child, "unknown key \"%s\" in %s%s%s%s", child->key, what, nearest ? "; did you mean \"" : "",
-                 nearest ? nearest : "", nearest ? "\"?" : "");
+        complain(r, child, "unknown key \"%s\" in %s%s", child->key, what, scree_hint(child->key, keys).text);
     }
 }
 
@@ -142,17 +140,13 @@ static void for_each(struct reader *r, const struct scree_toml *root, const char
 
 /* Index of `text` among NULL-terminated words, or 0 with a complaint. */
 static int choose(struct reader *r, const struct scree_toml *node, const char *what, const char *const *words) {
-    const char *nearest = NULL;
-    if (node->type == SCREE_TOML_STRING) {
-        for (int k = 0; words[k]; k++)
-            if (strcmp(words[k], node->string) == 0) return k;
-        nearest = scree_nearest_name(node->string, words);
-    }
+    for (int k = 0; node->type == SCREE_TOML_STRING && words[k]; k++)
+        if (strcmp(words[k], node->string) == 0) return k;
     char list[256] = "";
     for (int k = 0; words[k]; k++)
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", k ? ", " : "", words[k]);
-    complain(r, node, "%s must be one of %s%s%s%s", what, list, nearest ? "; did you mean \"" : "",
-             nearest ? nearest : "", nearest ? "\"?" : "");
+    complain(r, node, "%s must be one of %s%s", what, list,
+             node->type == SCREE_TOML_STRING ? scree_hint(node->string, words).text : "");
     return 0;
 }
 
@@ -176,9 +170,7 @@ static int find_named(struct reader *r, const struct scree_toml *node, const cha
         const struct scree_toml *name = scree_toml_get(s, "name");
         if (name && name->type == SCREE_TOML_STRING) names[count++] = name->string;
     }
-    const char *nearest = scree_nearest_name(node->string, names);
-    complain(r, node, "there is no %s called \"%s\"%s%s%s", what, node->string, nearest ? "; did you mean \"" : "",
-             nearest ? nearest : "", nearest ? "\"?" : "");
+    complain(r, node, "there is no %s called \"%s\"%s", what, node->string, scree_hint(node->string, names).text);
     return 0;
 }
 

@@ -530,7 +530,7 @@ static struct scree_toml *parse_value(struct parser *p) {
 /* [a.b] or [[a.b]]: returns the table that the following lines fill. */
 static struct scree_toml *parse_header(struct parser *p) {
     const char *parts[MOST_PARTS];
-    int array = p->end - p->at >= 2 && p->at[1] == '[';
+    int array = p->end - p->at >= 2 && p->at[1] == '[', column = column_of(p);
     p->at += array ? 2 : 1;
     int count = parse_dotted_key(p, parts);
     if (p->status) return NULL;
@@ -554,15 +554,19 @@ static struct scree_toml *parse_header(struct parser *p) {
         struct scree_toml *entry = new_node(p, SCREE_TOML_TABLE);
         if (!entry || !known) return NULL;
         entry->defined = BY_HEADER;
+        entry->column = column;
         append(known, entry);
         return entry;
     }
     if (!known) known = add_child(p, table, key, new_node(p, SCREE_TOML_TABLE));
-    if (known && (known->type != SCREE_TOML_TABLE || known->defined != BY_PARENT))
+    if (known && known->type != SCREE_TOML_TABLE)
+        complain(p, "\"%s\" is %s already (line %d)", key, scree_toml_type_name(known->type), known->line);
+    else if (known && known->defined != BY_PARENT)
         complain(p, "the table [%s] is defined twice (first on line %d)", key, known->line);
     if (p->status) return NULL;
     known->defined = BY_HEADER;
     known->line = p->line;
+    known->column = column;
     return known;
 }
 

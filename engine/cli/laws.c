@@ -49,10 +49,7 @@ int cli_laws(int count, char **words) {
         int found = 0;
         for (int k = 0; scree_normal_laws[k]; k++) names[found++] = scree_normal_laws[k]->text.name;
         for (int k = 0; scree_friction_laws[k]; k++) names[found++] = scree_friction_laws[k]->text.name;
-        const char *nearest = scree_nearest_name(words[n], names);
-        return cli_complain("there is no law called \"%s\"%s%s%s", words[n],
-                            nearest ? "; did you mean \"" : "; `scree laws` lists them", nearest ? nearest : "",
-                            nearest ? "\"?" : "");
+        return cli_complain("there is no law called \"%s\"%s", words[n], scree_hint(words[n], names).text);
     }
     return EXIT_GOOD;
 }

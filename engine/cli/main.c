@@ -68,9 +68,7 @@ static const struct cli_option *find_option(const char *word, const struct cli_o
 static int unknown_option(const char *word, const struct cli_option *options) {
     const char *names[32] = {0};
     for (int k = 0; options[k].name && k < 31; k++) names[k] = options[k].name;
-    const char *nearest = scree_nearest_name(word, names);
-    return cli_complain("unknown option %s%s%s%s", word, nearest ? "; did you mean " : "", nearest ? nearest : "",
-                        nearest ? "?" : "");
+    return cli_complain("unknown option %s%s", word, scree_hint(word, names).text);
 }
 
 static int take_option(const struct cli_option *option, const char *value) {
@@ -130,10 +128,7 @@ static int dispatch(int count, char **words) {
         names[k] = commands[k].name;
         if (strcmp(words[1], names[k]) == 0) return commands[k].run(count - 2, words + 2);
     }
-    const char *nearest = scree_nearest_name(words[1], names);
-    return cli_complain("there is no command \"%s\"%s%s%s", words[1],
-                        nearest ? "; did you mean \"" : "; see scree --help", nearest ? nearest : "",
-                        nearest ? "\"?" : "");
+    return cli_complain("there is no command \"%s\"%s", words[1], scree_hint(words[1], names).text);
 }
 
 int main(int count, char **words) {

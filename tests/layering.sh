@@ -1,0 +1,67 @@
+#!/bin/sh
+# The tree's own rules, checked in the sources: who may include whom, and that every exported symbol is ours.
+# usage: layering.sh SOURCE_ROOT STATIC_LIBRARY SHARED_LIBRARY
+root=$1 static=$(realpath "$2") shared=$(realpath "$3")
+failed=0
+
+# Folders that a folder may include; libc and OpenMP headers are free, and the project names its folders in every include.
+allowed() {
+    case $1 in
+    bodies) echo 'bodies' ;;
+    contact) echo 'bodies contact' ;;
+    solver) echo 'solver' ;;
+    engine) echo 'bodies contact engine' ;;
+    engine/cli) echo 'bodies contact solver engine engine/cli' ;;
+    *) echo 'bodies contact solver engine engine/cli bench tests' ;;
+    esac
+}
+libc=' assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdalign stdarg stdatomic stdbool stddef
+ stdint stdio stdlib stdnoreturn string strings threads time unistd fcntl dirent getopt omp pthread sys/stat sys/types sys/wait
+ sys/resource sys/time '
+
+cd "$root" || exit 1
+for file in $(find bodies contact solver engine bench tests \( -name '*.c' -o -name '*.h' \) | sort); do
+    folder=$(dirname "$file")
+    may=$(allowed "$folder")
+    grep -n '^[[:space:]]*#[[:space:]]*include' "$file" >/tmp/includes.$$
+    while IFS=: read -r line text; do
+        name=$(echo "$text" | sed 's/.*[<"]\(.*\)\.h[>"].*/\1/')
+        case $text in
+        *'<'*)
+            case $libc in
+            *[[:space:]]"$name"[[:space:]]*) ;;
+            *) echo "$file:$line: <$name.h> is not from libc or OpenMP"; failed=1 ;;
+            esac ;;
+        *)
+            target=$(dirname "$name")
+            case " $may " in
+            *" $target "*) ;;
+            *) echo "$file:$line: $folder may not include \"$name.h\" (it may include: $may)"; failed=1 ;;
+            esac ;;
+        esac
+    done </tmp/includes.$$
+    rm -f /tmp/includes.$$
+done
+
+# Every symbol that the libraries define for others begins with scree_ (the sanitizers add some of their own).
+strangers=$({ nm -g --defined-only "$static" 2>/dev/null; nm -D --defined-only "$shared"; } |
+    awk 'NF == 3 && $3 !~ /^(scree_|__asan|__odr_asan|__ubsan|__tsan|_init$|_fini$|_edata$|_end$|__bss_start$|__gcov|__llvm|__start_|__stop_)/ {print $3}')
+if [ -n "$strangers" ]; then
+    echo "exported symbols without the prefix scree_: $strangers"
+    failed=1
+fi
+# The shared library shows the public functions and nothing else.
+public=$(nm -D --defined-only "$shared" | awk '$2 == "T" && $3 ~ /^scree_/ {print $3}' | sort)
+declared=$(sed -n 's/^SCREE_API [^(]*[ *]\(scree_[a-z_]*\)(.*/\1/p' engine/scree.h | sort)
+if [ "$public" != "$declared" ]; then
+    echo "the shared library exports another set of functions than engine/scree.h declares:"
+    echo "exported: $public"
+    echo "declared: $declared"
+    failed=1
+fi
+
+# Each public header compiles alone, as strict C17.
+for header in engine/scree.h bodies/body.h bodies/motion.h bodies/shape.h bodies/trouble.h contact/choice.h; do
+    echo "#include \"$header\"" | ${CC:-cc} -std=c17 -Wall -Wextra -Wpedantic -Werror -I. -fsyntax-only -x c - || failed=1
+done
+exit $failed

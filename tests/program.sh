@@ -1,0 +1,131 @@
+#!/bin/sh
+# The program as a user meets it: exit codes, messages, files. usage: program.sh PROGRAM SOURCE_ROOT
+scree=$(realpath "$1") root=$(realpath "$2")
+work=$(mktemp -d) || exit 1
+trap 'chmod -R u+w "$work"; rm -rf "$work"' EXIT
+failed=0 checks=0
+scenes=$root/data/scenes
+
+# check NAME EXPECTED_CODE PATTERN COMMAND…: exit status, and a pattern in what it prints (standard output and error).
+check() {
+    name=$1 expected=$2 pattern=$3
+    shift 3
+    checks=$((checks + 1))
+    printed=$("$@" 2>&1)
+    code=$?
+    if [ $code -ne "$expected" ]; then
+        echo "$name: exit status $code, expected $expected; printed: $printed" | head -c 2000
+        failed=1
+    fi
+    case $printed in
+    *"$pattern"*) ;;
+    *) echo "$name: \"$pattern\" is missing in: $printed" | head -c 2000; failed=1 ;;
+    esac
+}
+expect() { # expect NAME CONDITION…
+    name=$1
+    shift
+    checks=$((checks + 1))
+    "$@" || { echo "$name: failed: $*"; failed=1; }
+}
+nothing_left() { expect "nothing is left of it" test ! -e "$1"; }
+
+check version 0 'scree 0.' "$scree" --version
+check help 0 'usage: scree COMMAND' "$scree" --help
+check 'no command' 2 'usage' "$scree"
+check 'unknown command' 2 'did you mean "check"?' "$scree" chek
+for command in run check reproduce laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
+check 'unknown option' 2 'did you mean "--threads"?' "$scree" run --thread 2
+check 'missing value' 2 'needs a value' "$scree" run x.toml -o
+check 'bad number' 2 'whole number' "$scree" run x.toml --threads two
+check 'two scenes' 2 'takes one scene file' "$scree" run a b
+
+check laws 0 'linear-loading' "$scree" laws
+check 'one law' 0 'restitution e wanted' "$scree" laws linear
+check 'no such law' 2 'did you mean "hunt-crossley"?' "$scree" laws hunt-crosley
+for law in $("$scree" laws | sed -n 's/^  \([a-z-]*\) .*/\1/p'); do check "laws $law" 0 'source:' "$scree" laws "$law"; done
+
+for scene in "$scenes"/*.toml; do check "check $scene" 0 'step:' "$scree" check "$scene"; done
+check 'check from standard input' 0 'bodies: 3' sh -c "'$scree' check - <'$scenes/incline.toml'"
+
+# A short run: what it writes.
+out=$work/out
+check run 0 'state hash' "$scree" run "$scenes/transport.toml" -o "$out" --set time.end=0.02 --set time.step=1e-5
+for file in bodies.csv contacts.csv energy.csv scene.pvd final.state boxes_000020.vtp contacts_000020.vtp spheres_000020.vtp; do
+    expect "run writes $file" test -s "$out/$file"
+done
+expect 'no temporary file is left' test -z "$(find "$out" -name '*.part')"
+expect 'header with units' test "$(head -n 1 "$out/bodies.csv" | cut -d, -f1-3)" = time_s,body,x_m
+expect '21 rows for each of 5 bodies that move' test "$(wc -l <"$out/bodies.csv")" -eq 106
+expect 'numbers in full' grep -q '^0.00[0-9]*,product,0.01[0-9]\{15,\}' "$out/bodies.csv"
+expect 'frames are listed' test "$(grep -c DataSet "$out/scene.pvd")" -eq 63
+check 'default folder' 0 'written to incline' sh -c "cd '$work' && '$scree' run '$scenes/incline.toml' --set time.end=1e-3"
+expect 'default folder is made' test -s "$work/incline/bodies.csv"
+check 'quiet' 0 '' "$scree" run "$scenes/incline.toml" -o "$work/quiet" --quiet --set time.end=1e-3
+expect 'quiet prints nothing' test -z "$("$scree" run "$scenes/incline.toml" -o "$work/quiet" --quiet --set time.end=1e-3 2>&1)"
+
+# A run in two parts ends with the same bits as one.
+hash_of() { sed -n 's/^state hash: //p'; }
+whole=$("$scree" run "$scenes/incline.toml" -o "$work/whole" --set time.end=0.2 2>&1 | hash_of)
+"$scree" run "$scenes/incline.toml" -o "$work/half" --set time.end=0.1 --quiet
+resumed=$("$scree" run "$scenes/incline.toml" -o "$work/rest" --set time.end=0.2 --resume "$work/half/final.state" 2>&1 | hash_of)
+expect 'resumed run has the same hash' test -n "$whole" -a "$whole" = "$resumed"
+threaded=$("$scree" run "$scenes/incline.toml" -o "$work/threads" --set time.end=0.2 --threads 2 2>&1 | hash_of)
+expect 'threads have the same hash' test "$whole" = "$threaded"
+silent=$("$scree" run "$scenes/incline.toml" -o "$work/silent" --set time.end=0.2 --set 'output.write=[]' 2>&1 | hash_of)
+expect 'without output the same hash' test "$whole" = "$silent"
+check 'state of another scene' 2 'another scene' "$scree" run "$scenes/transport.toml" -o "$work/x1" --resume "$work/half/final.state"
+nothing_left "$work/x1"
+check 'state that is none' 2 'no state file' "$scree" run "$scenes/incline.toml" -o "$work/x2" --resume "$scenes/incline.toml"
+check 'state that is missing' 2 'No such file' "$scree" run "$scenes/incline.toml" -o "$work/x3" --resume "$work/none"
+
+# Bad input: one message, exit status 2, nothing written.
+check 'missing scene' 2 'No such file' "$scree" run "$work/none.toml" -o "$work/x4"
+nothing_left "$work/x4"
+check 'scene is a folder' 2 'directory' "$scree" run "$work" -o "$work/x5"
+printf 'title = "x"\n[time]\nend = 1\nstp = 2\n' >"$work/bad.toml"
+check 'unknown key' 2 "bad.toml:4:7: unknown key \"stp\" in [time]; did you mean \"step\"?" "$scree" run "$work/bad.toml" -o "$work/x6"
+nothing_left "$work/x6"
+expect 'one line of message' test "$("$scree" run "$work/bad.toml" 2>&1 | wc -l)" -eq 1
+check 'bad override' 2 'there is no "nobody"' "$scree" run "$scenes/incline.toml" --set body.nobody.mass=1 -o "$work/x7"
+check 'step too large' 2 'stability limit' "$scree" run "$scenes/incline.toml" --set time.step=0.01 -o "$work/x8"
+nothing_left "$work/x8"
+check 'step forced' 0 'FORCED BEYOND IT' "$scree" check "$scenes/incline.toml" --set time.step=0.01 --set time.force=true
+head -c 104857600 /dev/zero | tr '\0' '[' >"$work/huge.toml"
+check '100 MB of brackets' 2 'too large' "$scree" check "$work/huge.toml"
+head -c 1000000 "$work/huge.toml" >"$work/deep.toml"
+check 'a million brackets' 2 'deep.toml:1:' "$scree" check "$work/deep.toml"
+rm "$work/huge.toml"
+head -c 300000 /dev/urandom >"$work/noise.toml"
+check 'noise' 2 'noise.toml:' "$scree" check "$work/noise.toml"
+
+# Output that can't be written: an error, and what was there stays.
+check 'folder under a file' 2 'Not a directory' "$scree" run "$scenes/incline.toml" -o "$work/bad.toml/out"
+if [ -w /dev/full ]; then
+    check 'full standard output' 2 'standard output' sh -c "'$scree' laws >/dev/full"
+fi
+mkdir "$work/kept"
+echo precious >"$work/kept/bodies.csv"
+check 'a run that fails' 1 'stopped at t =' "$scree" run "$scenes/impact_and_slide.toml" -o "$work/kept" \
+    --set 'contact.0.normal={law="linear", stiffness=10.0, damping=0.0}'
+expect 'existing output is kept' grep -q precious "$work/kept/bodies.csv"
+expect 'rows up to the stop are there' test -s "$work/kept/bodies.csv.part"
+check 'too large a file' 2 'bodies.csv: File too large' sh -c \
+    "trap '' XFSZ; ulimit -f 16; '$scree' run '$scenes/incline.toml' -o '$work/limited' --set time.end=0.3 --set 'output.write=[\"bodies.csv\"]'"
+nothing_left "$work/limited/bodies.csv"
+nothing_left "$work/limited/bodies.csv.part"
+
+# Figures: with gnuplot and without.
+check 'list of figures' 0 '11b' "$scree" reproduce --list
+check 'no such figure' 2 'no figure "99"' "$scree" reproduce 99
+check 'figures without gnuplot' 0 "gnuplot can't be started" env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 9 11b
+for file in fig_9.csv fig_9.gp fig_11b.csv report.csv; do expect "reproduce writes $file" test -s "$work/figures/$file"; done
+nothing_left "$work/figures/fig_9.svg"
+if command -v gnuplot >/dev/null; then
+    check 'figures with gnuplot' 0 'bounds met' "$scree" reproduce -o "$work/figures" 9
+    expect 'a plot is drawn' grep -q '</svg>' "$work/figures/fig_9.svg"
+fi
+check 'data folder' 2 'No such file' "$scree" reproduce -o "$work/figures" --data "$work" 11b
+
+echo "$checks checks, $([ $failed -eq 0 ] && echo none || echo some) failed"
+exit $failed

@@ -1,0 +1,318 @@
+/* contact/: geometry against slow searches, lists against all pairs, the loop against its laws one by one. */
+#include "contact/geometry.h"
+#include "tests/scenes.h"
+
+static struct vec random_vec(uint64_t *seed, double size) {
+    double x = check_between(seed, -size, size), y = check_between(seed, -size, size);
+    return vec(x, y, check_between(seed, -size, size));
+}
+
+static struct quat random_attitude(uint64_t *seed) {
+    struct quat q = {check_between(seed, -1, 1), check_between(seed, -1, 1), check_between(seed, -1, 1),
+                     check_between(seed, -1, 1)};
+    return quat_normalise(q);
+}
+
+/* ---- geometry ---- */
+
+/* Distance from a point to a box by cutting its faces into small squares: the slow way. */
+static double slow_distance(struct vec p, struct vec origin, const struct mat *frame, const double half[3]) {
+    enum { CELLS = 60 };
+    double nearest = HUGE_VAL;
+    for (int face = 0; face < 6; face++)
+        for (int i = 0; i <= CELLS; i++)
+            for (int j = 0; j <= CELLS; j++) {
+                double c[3];
+                int a = face / 2;
+                c[a] = face % 2 ? half[a] : -half[a];
+                c[(a + 1) % 3] = half[(a + 1) % 3] * (2.0 * i / CELLS - 1.0);
+                c[(a + 2) % 3] = half[(a + 2) % 3] * (2.0 * j / CELLS - 1.0);
+                struct vec on = vec_add(origin, mat_apply(frame, vec_from(c)));
+                nearest = fmin(nearest, vec_norm(vec_sub(p, on)));
+            }
+    return nearest;
+}
+
+static void test_ball_on_box(void) {
+    uint64_t seed = 3;
+    const double half[3] = {0.3, 0.2, 0.1}, radius = 0.05, rounding = 0.02;
+    const double cell = 0.6 / 60; /* the search is right to half a cell's diagonal */
+    for (int k = 0; k < 300; k++) {
+        struct mat frame = quat_to_mat(random_attitude(&seed));
+        struct vec origin = random_vec(&seed, 1.0), p = vec_add(origin, random_vec(&seed, 0.6));
+        struct scree_meeting m = scree_meet_box(p, radius, origin, &frame, half, rounding);
+        struct vec local = mat_undo(&frame, vec_sub(p, origin));
+        int inside = fabs(local.x) < half[0] && fabs(local.y) < half[1] && fabs(local.z) < half[2];
+        double slow = slow_distance(p, origin, &frame, half), distance = radius + rounding - m.overlap;
+        NEAR(vec_norm(m.normal), 1.0, 1e-14);
+        if (inside) distance = -distance;
+        CHECK(distance <= slow + 1e-14 && slow * slow <= distance * distance + cell * cell);
+        /* Moving the ball along the normal opens the contact by as much: the normal points away from the box. */
+        struct scree_meeting away = scree_meet_box(vec_axpy(p, 1e-6, m.normal), radius, origin, &frame, half, rounding);
+        NEAR(m.overlap - away.overlap, 1e-6, 1e-11);
+    }
+}
+
+static void test_flat_partners(void) {
+    uint64_t seed = 4;
+    for (int k = 0; k < 300; k++) {
+        struct mat frame = quat_to_mat(random_attitude(&seed));
+        struct vec origin = random_vec(&seed, 1.0);
+        struct vec local = random_vec(&seed, 0.5);
+        struct vec p = vec_add(origin, mat_apply(&frame, local));
+        const double half[3] = {0.3, 0.2, 0.0};
+        NEAR(scree_meet_plane(p, 0.05, origin, &frame).overlap, 0.05 - local.z, 1e-14);
+        struct scree_meeting m = scree_meet_rectangle(p, 0.05, origin, &frame, half, 0.3, 0.0);
+        int inside = fabs(local.x) <= 0.3 && fabs(local.y) <= 0.2 && local.z >= -0.25;
+        if (inside) NEAR(m.overlap, 0.05 - local.z, 1e-14);
+        if (!inside) CHECK(m.overlap == SCREE_OUTSIDE);
+        struct scree_meeting b = scree_meet_ball(p, 0.05, origin, 0.1);
+        NEAR(b.overlap, 0.15 - vec_norm(local), 1e-14);
+        NEAR(vec_dot(b.normal, vec_sub(p, origin)), vec_norm(local), 1e-14);
+    }
+}
+
+/* ---- a crowd: spheres and boxes thrown into a room ---- */
+
+static const char crowd_head[] =
+    "gravity = [0, 0, -9.81]\n"
+    "[time]\nend = 1.0\nstep = 2e-5\n"
+    "[[material]]\nname = \"stuff\"\ndensity = 2000\n"
+    "[[material]]\nname = \"wall\"\n"
+    "[[contact]]\nbetween = [\"stuff\", \"stuff\"]\n"
+    "normal = { law = \"linear-cut\", stiffness = 2e4, restitution = 0.6 }\n"
+    "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 1.5e4, damping = 0.5 }\n"
+    "[[contact]]\nbetween = [\"stuff\", \"wall\"]\n"
+    "normal = { law = \"linear-loading\", stiffness = 2e4, restitution = 0.5 }\n"
+    "friction = { law = \"stick-slip\", static = 0.5, kinetic = 0.4, threshold = 0.05 }\n"
+    "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
+    "[[body]]\nname = \"west\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [-0.08, "
+    "0, 0]\n"
+    "orientation = { axis = [0, 1, 0], degrees = 90 }\n"
+    "[[body]]\nname = \"east\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [0.08, 0, "
+    "0]\n"
+    "orientation = { axis = [0, 1, 0], degrees = -90 }\n"
+    "[[body]]\nname = \"south\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [0, "
+    "-0.08, 0]\n"
+    "orientation = { axis = [1, 0, 0], degrees = -90 }\n"
+    "[[body]]\nname = \"north\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [0, "
+    "0.08, 0]\n"
+    "orientation = { axis = [1, 0, 0], degrees = 90 }\n"
+    "[[body]]\nname = \"shelf\"\nshape = { rectangle = [0.05, 0.05] }\nmaterial = \"wall\"\njoint = "
+    "\"fixed\"\nposition = [0, 0, 0.001]\n";
+
+/* The text of a crowd of `count` bodies on a loose grid; to be freed. */
+static char *crowd_text(int count) {
+    size_t size = sizeof crowd_head + (size_t)count * 320;
+    char *text = malloc(size);
+    int used = snprintf(text, size, "%s", crowd_head);
+    uint64_t seed = 11;
+    for (int k = 0; k < count; k++) {
+        double x = -0.054 + 0.036 * (k % 4), y = -0.054 + 0.036 * (k / 4 % 4), z = 0.06 + 0.036 * (k / 16);
+        double radius = check_between(&seed, 0.006, 0.012);
+        used += snprintf(text + used, size - (size_t)used, "[[body]]\nname = \"b%d\"\nmaterial = \"stuff\"\n", k);
+        used += k % 5 == 0
+                    ? snprintf(text + used, size - (size_t)used,
+                               "shape = { box = [%.17g, %.17g, %.17g], rounding = 0.002 }\nspin = [1.0, 2.0, %d]\n",
+                               1.2 * radius, 1.6 * radius, 2.0 * radius, k % 7)
+                    : snprintf(text + used, size - (size_t)used, "shape = { sphere = %.17g }\n", radius);
+        used += snprintf(text + used, size - (size_t)used,
+                         "position = [%.17g, %.17g, %.17g]\nvelocity = [%.17g, %.17g, -1.0]\n",
+                         x + check_between(&seed, -0.004, 0.004), y + check_between(&seed, -0.004, 0.004), z,
+                         check_between(&seed, -0.5, 0.5), check_between(&seed, -0.5, 0.5));
+    }
+    return text;
+}
+
+/* Touching contacts found by looking at every ball and every partner. */
+static int count_by_brute_force(const struct scree_bodies *bodies, const struct scree_contacts *contacts) {
+    int touching = 0;
+    for (int i = 0; i < bodies->count; i++)
+        for (int j = 0; j < bodies->count; j++) {
+            if (i == j || !scree_contacts_rule(contacts, bodies, i, j, NULL)) continue;
+            scree_shape_kind ball = bodies->shape[i].kind, host = bodies->shape[j].kind;
+            if (ball != SCREE_SPHERE && ball != SCREE_BOX) continue;
+            if (ball == SCREE_SPHERE && host == SCREE_SPHERE && i > j) continue;
+            if (ball == SCREE_BOX && host == SCREE_SPHERE) continue; /* there the sphere is the ball */
+            for (int c = 0; c < (ball == SCREE_BOX ? 8 : 1); c++) {
+                const double *corner = bodies->corner[ball == SCREE_BOX ? 1 + 8 * bodies->slot[i] + c : 0];
+                struct vec p = vec_add(vec_from(bodies->record[i].x), vec_from(corner)),
+                           origin = vec_from(bodies->record[j].x);
+                double radius = bodies->record[i].radius, other = bodies->record[j].radius;
+                struct scree_meeting m = scree_meet_ball(p, radius, origin, other);
+                if (host != SCREE_SPHERE) {
+                    const struct scree_attitude *a = &bodies->attitude[bodies->slot[j]];
+                    m = host == SCREE_PLANE       ? scree_meet_plane(p, radius, origin, &a->frame)
+                        : host == SCREE_RECTANGLE ? scree_meet_rectangle(p, radius, origin, &a->frame, a->half,
+                                                                         scree_thickness(&bodies->record[i]), 0.0)
+                                                  : scree_meet_box(p, radius, origin, &a->frame, a->half, other);
+                }
+                touching += m.overlap > 0.0;
+            }
+        }
+    return touching;
+}
+
+static void test_lists(void) {
+    char *text = crowd_text(48);
+    scree_scene *scene = scene_from(text, NULL, 0, 0);
+    int most = 0;
+    for (int k = 0; k < 1000; k++) {
+        go(scene, 20);
+        int listed = 0;
+        CHECK(scree_scene_contacts(scene, NULL, 0, &listed) == SCREE_OK);
+        CHECK(listed == count_by_brute_force(&scene->shadow, &scene->contacts));
+        most = listed > most ? listed : most;
+    }
+    CHECK(most > 30); /* it did become a crowd */
+    CHECK(scene->contacts.rebuilds > 5);
+    scree_scene_destroy(scene);
+
+    /* The result doesn't depend on when lists are made, nor on what they hold besides touching contacts. */
+    static const double skins[] = {0.002, 0.004, 0.01, 0.05};
+    uint64_t hash[4];
+    for (int s = 0; s < 4; s++) {
+        scene = scene_from(text, NULL, 0, 0);
+        scene->contacts.skin = skins[s];
+        CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, NULL) == SCREE_OK);
+        go(scene, 6000);
+        hash[s] = scree_scene_hash(scene);
+        scree_scene_destroy(scene);
+    }
+    CHECK(hash[0] == hash[1] && hash[1] == hash[2] && hash[2] == hash[3]);
+    free(text);
+}
+
+/* ---- momentum ---- */
+
+static const char two_text[] = "[time]\nend = 1.0\nstep = 1e-5\n"
+                               "[[material]]\nname = \"stuff\"\ndensity = 2000\n"
+                               "[[contact]]\nbetween = [\"stuff\", \"stuff\"]\n"
+                               "normal = { law = \"linear-cut\", stiffness = 1e4, restitution = 0.6 }\n"
+                               "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 8e3 }\n"
+                               "[[body]]\nname = \"a\"\nmaterial = \"stuff\"\nshape = { sphere = 0.01 }\nvelocity = "
+                               "[1.0, 0.3, 0.1]\nspin = [10, -20, 30]\n"
+                               "[[body]]\nname = \"b\"\nmaterial = \"stuff\"\nshape = { sphere = 0.013 }\nposition = "
+                               "[0.025, 0.01, 0.002]\nspin = [50, 20, -10]\n";
+
+/* Total momentum and angular momentum about the origin. */
+static void momenta(const scree_scene *scene, struct vec *p, struct vec *l) {
+    *p = *l = vec(0.0, 0.0, 0.0);
+    for (int k = 0; k < scene->bodies.count; k++) {
+        const struct scree_state *s = &scene->bodies.state[k];
+        struct vec momentum = vec_scale(scene->bodies.inertia[k].mass, vec_from(s->v));
+        *p = vec_add(*p, momentum);
+        *l = vec_add(*l, vec_add(vec_from(s->l), vec_cross(vec_from(s->x), momentum)));
+    }
+}
+
+static void check_momenta(const char *const *changes, int count) {
+    scree_scene *scene = scene_from(two_text, changes, count, 0);
+    struct vec p, l, p_after, l_after;
+    momenta(scene, &p, &l);
+    double met = 0.0;
+    for (int k = 0; k < 30; k++) {
+        go(scene, 100);
+        met = fmax(met, scree_scene_deepest(scene, NULL, NULL));
+    }
+    momenta(scene, &p_after, &l_after);
+    CHECK(met > 0.01);
+    /* Impulses are equal and opposite at one point: what remains is rounding, some 1e-16 of the largest terms a step. */
+    CHECK(vec_norm(vec_sub(p_after, p)) < 1e-13 * vec_norm(p));
+    CHECK(vec_norm(vec_sub(l_after, l)) < 1e-12 * vec_norm(l));
+    scree_scene_destroy(scene);
+}
+
+static void test_momentum(void) {
+    static const char *const boxes[] = {"body.a.shape={box=[0.02,0.015,0.018], rounding=0.003}",
+                                        "body.b.shape={box=[0.02,0.022,0.025], rounding=0.002}"};
+    check_momenta(NULL, 0);
+    check_momenta(boxes, 1); /* the sphere b on the box a */
+    check_momenta(boxes, 2);
+}
+
+/* ---- the loop against the laws, one contact at a time ---- */
+
+/* Impulse of one contact from its law's scalar function; for laws without memory. */
+static struct vec impulse_by_hand(const scree_scene *scene, const struct scree_rule *rule, int batch, int index,
+                                  double h) {
+    struct scree_touch touch;
+    if (!scree_contacts_measure(&scene->contacts, &scene->bodies, batch, index, &touch)) return vec(0.0, 0.0, 0.0);
+    double f = h * touch.normal_force;
+    struct vec j = vec_scale(f, touch.normal);
+    return rule->friction < 0 ? j : vec_axpy(j, h, touch.tangential);
+}
+
+/* Pairs of spheres pressed into each other at random, in numbers that leave lanes of the last block empty. */
+static void check_laws(const char *normal, const char *friction, int pairs) {
+    size_t size = 4096 + (size_t)pairs * 512;
+    char *text = malloc(size);
+    int used = snprintf(
+        text, size,
+        "[time]\nend = 1.0\nstep = 1e-5\nforce = true\n[[material]]\nname = \"m\"\ndensity = 1000\n[[contact]]\n"
+        "between = [\"m\", \"m\"]\nnormal = { %s }\n%s%s%s",
+        normal, friction ? "friction = { " : "", friction ? friction : "", friction ? " }\n" : "");
+    uint64_t seed = 21;
+    for (int k = 0; k < 2 * pairs; k++) {
+        double radius = check_between(&seed, 0.008, 0.012);
+        used += snprintf(
+            text + used, size - (size_t)used,
+            "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = %.17g }\nposition = [%.17g, %.17g, %.17g]\n"
+            "velocity = [%.17g, %.17g, %.17g]\nspin = [%.17g, 3.0, -7.0]\n",
+            k, radius, 0.1 * (k / 2) + 0.0185 * (k % 2), check_between(&seed, -1e-3, 1e-3),
+            check_between(&seed, -1e-3, 1e-3), check_between(&seed, -0.3, 0.3), check_between(&seed, -0.01, 0.01),
+            check_between(&seed, -0.01, 0.01), check_between(&seed, -9.0, 9.0));
+    }
+    scree_scene *scene = scene_from(text, NULL, 0, 0);
+    double h = scree_scene_step_length(scene);
+    const double none[3] = {0.0, 0.0, 0.0};
+    scree_bodies_look_ahead(&scene->bodies, 0.0, h, none, 1.0);
+    int compared = 0;
+    for (int b = 0; b < scene->contacts.batches; b++)
+        for (int k = 0; k < scene->contacts.batch[b].count; k++) {
+            const struct scree_contact *contact = &scene->contacts.batch[b].contact[k];
+            struct vec j = impulse_by_hand(scene, &scene->contacts.rule[0], b, k, h);
+            vec_store(j, scene->bodies.record[contact->ball].t); /* kept aside in a place that the loop adds to */
+            compared += vec_norm(j) > 0.0;
+        }
+    struct vec *by_hand = malloc((size_t)scene->bodies.count * sizeof *by_hand);
+    for (int k = 0; k < scene->bodies.count; k++) {
+        by_hand[k] = vec_from(scene->bodies.record[k].t);
+        memset(scene->bodies.record[k].t, 0, sizeof scene->bodies.record[k].t);
+    }
+    scree_contacts_act(&scene->contacts, &scene->bodies, h, 1);
+    for (int k = 0; k < scene->bodies.count; k += 2) /* balls are the lower of each pair */
+        CHECK(memcmp(scene->bodies.record[k].f, &by_hand[k], sizeof by_hand[k]) == 0);
+    CHECK(compared > pairs / 2);
+    free(by_hand);
+    scree_scene_destroy(scene);
+    free(text);
+}
+
+static void test_loop_equals_laws(void) {
+    static const char *const normals[] = {
+        "law = \"linear\", stiffness = 1e4, restitution = 0.5",
+        "law = \"linear-cut\", stiffness = 1e4, restitution = 0.5",
+        "law = \"linear-loading\", stiffness = 1e4, restitution = 0.5",
+        "law = \"blend\", stiffness = 1e6, exponent = 1.37, damping = 2.0, full = 5e-4",
+        "law = \"hunt-crossley\", stiffness = 1e6, factor = 0.5",
+        "law = \"impact\", stiffness = 1e6, exponent = 1.5, damping = 2.0, full = 5e-4"};
+    static const char *const frictions[] = {
+        NULL, "law = \"ramp\", kinetic = 0.3, threshold = 0.01", "law = \"tanh\", kinetic = 0.3, threshold = 0.01",
+        "law = \"step\", static = 0.4, kinetic = 0.3, stiction_speed = 0.05, sliding_speed = 0.08",
+        "law = \"stick-slip\", static = 0.4, kinetic = 0.3, threshold = 0.06"};
+    for (int n = 0; n < 6; n++)
+        for (int f = 0; f < 5; f++) {
+            check_laws(normals[n], frictions[f], 1);
+            check_laws(normals[n], frictions[f], 37);
+        }
+}
+
+int main(void) {
+    test_ball_on_box();
+    test_flat_partners();
+    test_lists();
+    test_momentum();
+    test_loop_equals_laws();
+    return check_report();
+}

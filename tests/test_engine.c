@@ -1,0 +1,529 @@
+/* engine/: accuracy and its order, energy, rest, what doesn't change a result, and what stops a run. */
+#include "contact/impact.h"
+#include "solver/conventional.h"
+#include "tests/scenes.h"
+
+#include <unistd.h>
+
+/* ---- impacts: order of the method ---- */
+
+static const char impact_head[] =
+    "[time]\nend = 1.0\n"
+    "[[material]]\nname = \"ball\"\n"
+    "[[material]]\nname = \"wall\"\n"
+    "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
+    "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nmass = 0.03\n"
+    "position = [0, 0, 0.011]\nvelocity = [0, 0, -1]\n"
+    "[[contact]]\nbetween = [\"ball\", \"wall\"]\n";
+
+/* Root mean square error of the rebound speed over phases of first touch, at `steps` steps in the time pi sqrt(m/k) (m =
+ * 0.03 kg, k = 1e5 N/m); the step is varied as well, so that steps per contact aren't whole numbers. */
+static double rebound_error(const char *law, double expected, double steps) {
+    enum { PHASES = 60 };
+    double sum = 0.0;
+    for (int phase = 0; phase < PHASES; phase++) {
+        char text[2048], change[128];
+        double h = 3.14159265358979 * sqrt(0.03 / 1e5) / (steps - 0.5 + phase / (double)PHASES);
+        snprintf(text, sizeof text, "%snormal = { %s }\n", impact_head, law);
+        snprintf(change, sizeof change, "time.step=%.17g", h);
+        const char *changes[] = {change};
+        scree_scene *scene = scene_from(text, changes, 1, 0);
+        int ball = scree_scene_find_body(scene, "ball");
+        scree_body_state state;
+        do {
+            go(scene, 1);
+            state = scree_scene_body(scene, ball);
+        } while (state.velocity[2] < 0.0 || state.position[2] < 0.01);
+        go(scene, 2);
+        double error = scree_scene_body(scene, ball).velocity[2] - expected;
+        sum += error * error;
+        scree_scene_destroy(scene);
+    }
+    return sqrt(sum / PHASES);
+}
+
+static void test_impact_order(void) {
+    static const struct {
+        const char *law;
+        double restitution;
+    } laws[] = {{"law = \"linear\", stiffness = 1e5, restitution = 0.5", 0.5},
+                {"law = \"linear-cut\", stiffness = 1e5, restitution = 0.5", 0.5},
+                {"law = \"linear-loading\", stiffness = 1e5, restitution = 0.5", 0.5},
+                {"law = \"linear\", stiffness = 1e5, damping = 0.0", 1.0},
+                {"law = \"hunt-crossley\", stiffness = 1e5, exponent = 1.0, restitution = 0.5, speed = 1.0", 0.5}};
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+        double coarse = rebound_error(laws[l].law, laws[l].restitution, 50.0);
+        double fine = rebound_error(laws[l].law, laws[l].restitution, 200.0);
+        NEAR(log(coarse / fine) / log(4.0), 2.0, 0.2);
+        CHECK(coarse < 1.2e-3); /* about 3 (h/tc)^2 */
+        CHECK(rebound_error(laws[l].law, laws[l].restitution, 1000.0) < 1e-5);
+    }
+}
+
+/* ---- the check values of the process model ---- */
+
+static void test_incline(void) {
+    const char *steady[] = {"motion.slope.velocity=0", "motion.slope.offset=0.36651914291880921"};
+    scree_scene *scene = scene_file("incline.toml", steady, 2);
+    go(scene, 20000);
+    CLOSE(state_of(scene, "product").velocity[0], 0.95966e-3, 1e-5); /* five digits are given */
+    CLOSE(state_of(scene, "product").velocity[0], 1e-3 * tan(0.36651914291880921) / 0.4, 1e-10);
+    scree_scene_destroy(scene);
+
+    /* The slope at the first of samples 2 ms apart at which the product is faster: the tabulated values. */
+    static const double speed[] = {1.5e-3, 5e-3, 10e-3}, slope[] = {21.812, 21.820, 21.832};
+    scene = scene_file("incline.toml", NULL, 0);
+    int passed = 0;
+    for (int sample = 1; passed < 3; sample++) {
+        go(scene, 200);
+        if (state_of(scene, "product").velocity[0] < speed[passed]) continue;
+        NEAR(20.0 + 2.0 * 2e-3 * sample, slope[passed], 1e-9);
+        passed++;
+    }
+    scree_scene_destroy(scene);
+}
+
+/* Sliding distance of the product alone (it can't pitch) from a speed to rest. */
+static double slide_from(double speed, double threshold) {
+    char start[80], limit[80];
+    snprintf(start, sizeof start, "body.product.velocity=[%.17g, 0.0, 0.0]", speed);
+    snprintf(limit, sizeof limit, "contact.0.friction.threshold=%.17g", threshold);
+    const char *changes[] = {start, limit, "motion.stroke.velocity=0.0", "body.product.joint={turn=\"fixed\"}"};
+    scree_scene *scene = scene_file("impact_and_slide.toml", changes, 4);
+    do {
+        go(scene, 500);
+    } while (state_of(scene, "product").velocity[0] > 1e-12);
+    double distance = state_of(scene, "product").position[0] - 0.015;
+    scree_scene_destroy(scene);
+    return distance;
+}
+
+static void test_sliding_distance(void) {
+    /* (v^2 - (1.5 v_th)^2)/(2 mu_k g) + integral of v dv/(mu g) between v_th and 1.5 v_th + v_th^2/(mu_s g), the integral by
+     * Simpson's rule, whose error here is below 1e-10 of it. */
+    const double g = 9.81, mu_s = 0.4, mu_k = 0.3;
+    for (int k = 0; k < 4; k++) {
+        double v = k % 2 ? 1.0 : 0.1, threshold = k / 2 ? 1e-2 : 1e-3, middle = 0.0;
+        for (int n = 0; n <= 200; n++) {
+            double w = 1.0 + 0.5 * n / 200.0, weight = n == 0 || n == 200 ? 1.0 : n % 2 ? 4.0 : 2.0;
+            middle += weight * w / (mu_s - (mu_s - mu_k) * 2.0 * (w - 1.0));
+        }
+        middle *= threshold * threshold * 0.5 / 200.0 / 3.0 / g;
+        double exact =
+            (v * v - 2.25 * threshold * threshold) / (2.0 * mu_k * g) + middle + threshold * threshold / (mu_s * g);
+        CLOSE(slide_from(v, threshold), exact,
+              1e-6); /* second order in 5e-6 s x mu_s g/threshold = 2e-2 of the last part */
+    }
+    NEAR(0.1 * 0.1 / (2.0 * mu_k * g), 1.69895e-3, 5e-9);
+    NEAR(1.0 / (2.0 * mu_k * g), 169.8947e-3, 5e-8);
+}
+
+/* Velocity of the product after the driven tines have met it. */
+static double met_at(double speed, int friction) {
+    char velocity[80];
+    snprintf(velocity, sizeof velocity, "motion.stroke.velocity=%.17g", speed);
+    const char *changes[] = {velocity,
+                             "contact.0.friction={law=\"stick-slip\", static=0.3, kinetic=0.3, threshold=1e-4}"};
+    scree_scene *scene = scene_file("restitution.toml", changes, friction ? 2 : 1);
+    double apart;
+    do {
+        go(scene, 1);
+        apart = state_of(scene, "product").position[0] - state_of(scene, "left tine").position[0] - 0.03;
+    } while (apart < 0.0);
+    double v = state_of(scene, "product").velocity[0];
+    scree_scene_destroy(scene);
+    return v;
+}
+
+static void test_restitution(void) {
+    CLOSE(met_at(0.1, 0), 0.15, 1e-5);
+    CLOSE(met_at(1.0, 0), 1.5, 1e-5);
+    CLOSE(met_at(2.0, 0), 3.0, 1e-5);
+    /* With friction on the floor the pair's own equation of motion says what is lost: 0.655 % at 0.1 m/s, 0.0643 % at 1 m/s. */
+    const struct scree_normal_law *law = scree_normal_laws[scree_find_normal_law("linear-loading")];
+    scree_contact_def def = {.normal = {"linear-loading", 2, {{"stiffness", 1e5}, {"restitution", 0.5}}}};
+    struct scree_rule rule;
+    CHECK(scree_bake_rule(&def, &rule, NULL) == SCREE_OK);
+    struct scree_pair_constants pair = law->pair(&rule.normal_constants, 0.03, 0.0);
+    for (int n = 0; n < 2; n++) {
+        double speed = n ? 1.0 : 0.1;
+        struct scree_impact impact =
+            scree_impact(law, &rule.normal_constants, pair, 0.03, speed, 0.3 * 0.03 * 9.81, NULL, NULL);
+        NEAR(100.0 * (0.5 - impact.restitution) / 1.5, n ? 0.0643 : 0.655, n ? 5e-5 : 5e-4);
+        /* Velocities are predicted from the last step, so friction sets in up to two steps late; and the parting is noticed
+         * up to a step late: three steps of mu_k g. */
+        NEAR(met_at(speed, 1), (1.0 + impact.restitution) * speed, 3.0 * 1e-6 * 0.3 * 9.81);
+    }
+}
+
+static void test_conventional(void) {
+    struct scree_conventional motion = {.stroke = 0.08, .share = 0.5, .friction = 0.3, .gravity = 9.81};
+    NEAR(scree_conventional_limit(&motion), 75.727, 5e-4);
+    NEAR(1e3 * scree_conventional_error(&motion, 80.0), 0.499, 5e-4);
+    NEAR(1e3 * scree_conventional_error(&motion, 90.0), 4.779, 5e-4);
+    NEAR(1e3 * scree_conventional_error(&motion, 100.0), 10.827, 5e-4);
+    NEAR(1e3 * scree_conventional_error(&motion, 120.0), 26.934, 5e-4);
+    NEAR(scree_conventional_critical(&motion, 1e-3), 81.50, 5e-3);
+    NEAR(scree_conventional_critical(&motion, 1e-15) / scree_conventional_limit(&motion), 1.03377, 5e-6);
+    CHECK(scree_conventional_error(&motion, 75.0) == 0.0 && scree_conventional_error(&motion, 77.0) == 0.0);
+    CHECK(scree_conventional_detachment(&motion, 60.0) == 0.5);
+}
+
+/* ---- energy ---- */
+
+static const char bounce_text[] =
+    "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-4\n"
+    "[[material]]\nname = \"ball\"\ndensity = 1000\n[[material]]\nname = \"wall\"\n"
+    "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { law = \"linear-cut\", stiffness = 5e3, restitution = 0.7 "
+    "}\n"
+    "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 4e3 }\n"
+    "[[contact]]\nbetween = [\"ball\", \"wall\"]\nnormal = { law = \"hunt-crossley\", stiffness = 1e5, factor = 0.3 }\n"
+    "friction = { law = \"tanh\", kinetic = 0.3, threshold = 0.05 }\n"
+    "[[motion]]\nname = \"shake\"\nkind = \"sine\"\namplitude = 0.001\nfrequency = 20\n"
+    "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = { x = \"shake\", z = "
+    "\"shake\", others = \"fixed\" }\n"
+    "[[body]]\nname = \"a\"\nshape = { sphere = 0.02 }\nmaterial = \"ball\"\nposition = [0, 0, 0.03]\nvelocity = [0.2, "
+    "0.1, 0]\nspin = [0, 9, 3]\n"
+    "[[body]]\nname = \"b\"\nshape = { box = [0.03, 0.04, 0.05], rounding = 0.004 }\nmaterial = \"ball\"\nposition = "
+    "[0.004, 0.002, 0.09]\n"
+    "spin = [3, 1, 2]\n"
+    "[output]\nwrite = [\"energy.csv\"]\n";
+
+/* What the books lack after 0.05 s (some impacts, still in flight), relative to the energy turned over. */
+static double energy_gap(double step) {
+    char change[64];
+    snprintf(change, sizeof change, "time.step=%.17g", step);
+    const char *changes[] = {change};
+    scree_scene *scene = scene_from(bounce_text, changes, 1, 0);
+    double worst = 0.0, turned = 0.0;
+    for (int k = 0; k < 50; k++) {
+        go(scene, lround(2e-3 / step));
+        scree_energy energy;
+        CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
+        worst = fmax(worst, fabs(energy.balance));
+        turned = fmax(turned, energy.kinetic);
+        CHECK(energy.lost_normal >= -1e-9 && energy.lost_tangential >= -1e-9);
+    }
+    scree_scene_destroy(scene);
+    return worst / turned;
+}
+
+static void test_energy(void) {
+    double coarse = energy_gap(2e-5), fine = energy_gap(2.5e-6);
+    CHECK(coarse < 3e-3);
+    /* Books and motion are of second order each; contacts that begin and end inside steps make the gap uneven. */
+    CHECK(fine < coarse / 16.0);
+}
+
+/* ---- rest ---- */
+
+static void test_rest(void) {
+    /* A product that sticks on a slope below the critical angle doesn't creep: no motion beyond rounding in 1e6 steps. */
+    const char *sticks[] = {
+        "contact.0.friction={law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=4e5, damping=250.0}",
+        "motion.slope.velocity=0", "motion.slope.offset=0.25"};
+    scree_scene *scene = scene_file("incline.toml", sticks, 3);
+    go(scene, 100000);
+    double x = state_of(scene, "product").position[0];
+    go(scene, 1000000);
+    NEAR(state_of(scene, "product").position[0], x, 1e-15);
+    CHECK(fabs(state_of(scene, "product").velocity[0]) < 1e-15);
+    /* Along z a velocity of less than half a unit of the position's last place a step, 4e-19 m/1e-5 s, moves nothing. */
+    CHECK(fabs(state_of(scene, "product").velocity[2]) < 1e-13);
+    scree_scene_destroy(scene);
+}
+
+/* ---- what doesn't change the result ---- */
+
+/* 1500 spheres and some boxes falling into a heap: enough for teams of threads. */
+static char *heap_text(void) {
+    enum { COUNT = 1500 };
+    char *text = malloc(COUNT * 256 + 4096);
+    int used =
+        sprintf(text, "%s",
+                "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 2e-5\n"
+                "[[material]]\nname = \"ball\"\ndensity = 2000\n[[material]]\nname = \"wall\"\n"
+                "[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
+                "normal = { law = \"linear-cut\", stiffness = 5e3, restitution = 0.6 }\n"
+                "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 4e3 }\n"
+                "[[contact]]\nbetween = [\"ball\", \"wall\"]\n"
+                "normal = { law = \"linear-loading\", stiffness = 5e3, restitution = 0.6 }\n"
+                "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 4e3 }\n"
+                "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n");
+    uint64_t seed = 5;
+    for (int k = 0; k < COUNT; k++) {
+        double x = 0.0115 * (k % 12), y = 0.0115 * (k / 12 % 12), z = 0.006 + 0.0115 * (k / 144);
+        used +=
+            sprintf(text + used,
+                    "[[body]]\nname = \"b%d\"\nmaterial = \"ball\"\nshape = { %s }\nposition = [%.17g, %.17g, %.17g]\n",
+                    k, k % 50 ? "sphere = 0.005" : "box = [0.006, 0.007, 0.008], rounding = 0.001",
+                    x + check_between(&seed, -5e-4, 5e-4), y + check_between(&seed, -5e-4, 5e-4), z);
+    }
+    return text;
+}
+
+static void test_same_bits(void) {
+    char *text = heap_text();
+    static const char *const energy[] = {"output={write=[\"energy.csv\"]}"};
+    uint64_t hash[5];
+    int threads[] = {1, 2, 3, 7, 1};
+    for (int k = 0; k < 5; k++) {
+        scree_scene *scene = scene_from(text, energy, k == 4, threads[k]);
+        go(scene, 1500);
+        hash[k] = scree_scene_hash(scene);
+        if (k == 0) CHECK(scene->contacts.rebuilds > 1);
+        scree_scene_destroy(scene);
+    }
+    for (int k = 1; k < 5; k++) CHECK(hash[k] == hash[0]); /* 4: with measurements */
+
+    /* Saved in the middle and restored into a new scene. */
+    scree_scene *scene = scene_from(text, NULL, 0, 0), *other = scene_from(text, NULL, 0, 2);
+    FILE *file = tmpfile();
+    go(scene, 700);
+    CHECK(scree_scene_save(scene, file, "memory") == SCREE_OK);
+    rewind(file);
+    CHECK(scree_scene_restore(other, file, "memory") == SCREE_OK);
+    CHECK(scree_scene_hash(other) == scree_scene_hash(scene));
+    CHECK(scree_scene_steps(other) == 700);
+    go(other, 800);
+    CHECK(scree_scene_hash(other) == hash[0]);
+
+    /* A damaged file, a cut one, and one of another scene change nothing. */
+    uint64_t before = scree_scene_hash(other);
+    fseek(file, 5000, SEEK_SET);
+    fputc(0x5a, file);
+    rewind(file);
+    CHECK(scree_scene_restore(other, file, "memory") == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(other)->text, "damaged");
+    CHECK(ftruncate(fileno(file), 9000) == 0);
+    rewind(file);
+    CHECK(scree_scene_restore(other, file, "memory") == SCREE_BAD_INPUT);
+    scree_scene *foreign = scene_file("incline.toml", NULL, 0);
+    rewind(file);
+    CHECK(scree_scene_restore(foreign, file, "memory") == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(foreign)->text, "another scene");
+    CHECK(scree_scene_hash(other) == before);
+    fclose(file);
+    scree_scene_destroy(foreign);
+    scree_scene_destroy(scene);
+    scree_scene_destroy(other);
+    free(text);
+}
+
+/* Hashes that must come out the same from every compiler, at every optimisation, for every instruction set. The scenes use
+ * no function of the maths library but the square root. */
+static void test_golden(void) {
+    char path[512], name[64];
+    unsigned long long golden;
+    long steps;
+    snprintf(path, sizeof path, "%s/golden/hashes.txt", SCREE_DATA);
+    FILE *file = fopen(path, "r");
+    CHECK(file != NULL);
+    int rows = 0;
+    while (file && fscanf(file, "%63s %ld %llx", name, &steps, &golden) == 3) {
+        char scene_name[80];
+        snprintf(scene_name, sizeof scene_name, "%s.toml", name);
+        const char *changes[] = {"contact.1.normal={law=\"linear-loading\", stiffness=1e5, damping=65.4356}",
+                                 "time.step=5e-6"};
+        scree_scene *scene = scene_file(scene_name, changes, strcmp(name, "incline") ? 2 : 0);
+        go(scene, steps);
+        unsigned long long hash = scree_scene_hash(scene);
+        if (hash != golden) printf("%s %ld %016llx\n", name, steps, hash);
+        CHECK(hash == golden);
+        scree_scene_destroy(scene);
+        rows++;
+    }
+    if (file) fclose(file);
+    CHECK(rows == 3);
+}
+
+/* ---- the step and the plan ---- */
+
+static char *plan_of(scree_scene *scene) {
+    char *text = calloc(1, 8192);
+    FILE *file = fmemopen(text, 8191, "w");
+    scree_scene_describe(scene, file);
+    fclose(file);
+    return text;
+}
+
+static void test_plan(void) {
+    scree_scene *scene = scene_file("transport.toml", NULL, 0);
+    char *plan = plan_of(scene);
+    CONTAINS(plan, "bodies: 7 (1 moved by forces, 4 driven, 2 fixed)");
+    CONTAINS(plan, "pairs of bodies: 21, of which 4 can meet");
+    CONTAINS(plan, "skipped: 15, since forces move neither body");
+    CONTAINS(plan, "skipped: 2, since the bodies pass through each other");
+    CONTAINS(plan, "linear-loading, stick-slip, stiffness and damping shared by 4 contacts");
+    CONTAINS(plan, "creeps at 0.0005 m/s under half");
+    CONTAINS(plan, "\"product\" with \"front tine\": none");
+    CONTAINS(plan, "4 ball on rectangle");
+    CONTAINS(plan, "contact memory: no law keeps any");
+    CONTAINS(plan, "tilting of gravity");
+    CONTAINS(plan, "automatic");
+    CHECK(scene->plan.choice.step < scene->plan.choice.limit);
+    free(plan);
+    scree_scene_destroy(scene);
+
+    const char *alone[] = {"time.step=\"auto\"", "contact.0.none=true"};
+    scene = scene_from(bounce_text, alone, 1, 0);
+    const struct scree_step_choice *choice = &scene->plan.choice;
+    CHECK(choice->step <= choice->duration / 50.0 * (1.0 + 1e-12) &&
+          choice->step <= 0.2 * choice->limit * (1.0 + 1e-12));
+    NEAR(1.0 / choice->step, round(1.0 / choice->step), 1e-9); /* divides the end */
+    scree_scene_destroy(scene);
+}
+
+/* A ball on a spring: stable just below the limit, unstable just above. */
+static double swing_at(double factor, double damping, int *refused) {
+    char text[2048], change[64], dashpot[64];
+    snprintf(text, sizeof text, "%snormal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }\n", impact_head);
+    double c = damping * sqrt(1e5 * 0.03), limit = 2.0 * sqrt(0.03 / 1e5) * (sqrt(1.0 + damping * damping) - damping);
+    snprintf(dashpot, sizeof dashpot, "contact.0.normal.damping=%.17g", c);
+    snprintf(change, sizeof change, "time.step=%.17g", factor * limit);
+    /* Deep in the plane, so that the contact never opens. */
+    const char *changes[] = {dashpot,
+                             change,
+                             "body.ball.position=[0.0, 0.0, 0.009]",
+                             "body.ball.velocity=[0.0, 0.0, 0.0]",
+                             "gravity=[0.0, 0.0, -3330.0]",
+                             "body.ball.position=[0.0, 0.0, 0.00900001]",
+                             "time.force=true"};
+    scree_scene *scene;
+    struct scree_run_request request;
+    scree_trouble trouble;
+    *refused = scree_read_scene(text, strlen(text), "t", changes, 6, 0, &scene, &request, &trouble) != SCREE_OK;
+    if (*refused) CONTAINS(trouble.text, "stability limit");
+    scree_scene_destroy(scene);
+    scree_free_request(&request);
+    scene = scene_from(text, changes, 7, 0);
+    double largest = 0.0, rest = 0.01 - 0.03 * 3330.0 / 1e5;
+    for (int k = 0; k < 2000 && largest < 1e-4; k++) {
+        if (scree_scene_step(scene, 1)) {
+            largest = 1.0;
+            break;
+        }
+        if (k > 1000) largest = fmax(largest, fabs(state_of(scene, "ball").position[2] - rest));
+    }
+    scree_scene_destroy(scene);
+    return largest;
+}
+
+static void test_stability_limit(void) {
+    static const double damping[] = {0.0, 0.1, 0.5, 1.0}; /* 2 zeta */
+    for (int k = 0; k < 4; k++) {
+        int refused;
+        CHECK(swing_at(0.98, damping[k], &refused) < 1e-6);
+        CHECK(!refused);
+        CHECK(swing_at(1.02, damping[k], &refused) > 1e-5);
+        CHECK(refused);
+    }
+}
+
+/* ---- what stops a run ---- */
+
+static void test_stops(void) {
+    char text[2048];
+    snprintf(text, sizeof text, "%snormal = { law = \"linear\", stiffness = 1e2, damping = 0.0 }\n", impact_head);
+    const char *step[] = {"time.step=1e-5", "body.ball.velocity=[0.0, 0.0, -5.0]"};
+    scree_scene *scene = scene_from(text, step, 2, 0);
+    CHECK(scree_scene_step(scene, 100000) == SCREE_FAILED);
+    const scree_trouble *trouble = scree_scene_trouble(scene);
+    CONTAINS(trouble->text, "\"ball\" with \"wall\"");
+    CONTAINS(trouble->text, "overlap");
+    CHECK(trouble->time > 1e-4 && trouble->time < 0.01);
+    CHECK(trouble->body == scree_scene_find_body(scene, "ball") &&
+          trouble->other == scree_scene_find_body(scene, "wall"));
+    scree_scene_destroy(scene);
+
+    const char *fast[] = {"time.step=1e-4", "body.ball.velocity=[0.0, 0.0, 200.0]"};
+    scene = scene_from(text, fast, 2, 0);
+    CHECK(scree_scene_step(scene, 100) == SCREE_FAILED);
+    CONTAINS(scree_scene_trouble(scene)->text, "could pass through unnoticed");
+    scree_scene_destroy(scene);
+
+    scene = scene_from(text, step, 1, 0);
+    scene->bodies.state[scree_scene_find_body(scene, "ball")].v[1] = NAN;
+    CHECK(scree_scene_step(scene, 100) == SCREE_FAILED);
+    CONTAINS(scree_scene_trouble(scene)->text, "no longer a finite number");
+    CONTAINS(scree_scene_trouble(scene)->text, "\"ball\"");
+    scree_scene_destroy(scene);
+}
+
+/* ---- definitions in C ---- */
+
+static void test_definitions(void) {
+    scree_scene *scene = scree_scene_create();
+    int a, b, motion;
+    CHECK(scree_scene_step(scene, 1) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_bake(scene) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "a", .density = 1000.0}, &a) == SCREE_OK);
+    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "a"}, NULL) == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(scene)->text, "two of the material");
+    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = ""}, NULL) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "x", .density = -1.0}, NULL) ==
+          SCREE_BAD_INPUT);
+    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "b"}, &b) == SCREE_OK);
+    CHECK(scree_scene_add_motion(scene, &(scree_motion_def){.name = "turn", .velocity = 1.0}, &motion) == SCREE_OK);
+    CHECK(scree_scene_add_contact(scene, &(scree_contact_def){.between = {0, 7}}) == SCREE_BAD_INPUT);
+    scree_contact_def contact = {.between = {a, b}, .normal = {"linear", 2, {{"stiffness", 1e4}, {"damping", 0.0}}}};
+    CHECK(scree_scene_add_contact(scene, &contact) == SCREE_OK);
+    CHECK(scree_scene_add_contact(scene, &contact) == SCREE_BAD_INPUT);
+
+    scree_body_def ball = {
+        .name = "ball", .shape = {.kind = SCREE_SPHERE, .radius = 0.1}, .material = a, .position = {0, 0, 0.2}};
+    scree_body_def bad[12];
+    for (int k = 0; k < 12; k++) bad[k] = ball;
+    bad[0].material = 5;
+    bad[1].position[1] = NAN;
+    bad[2].mass = -1.0;
+    bad[3].material = b; /* no density and no mass */
+    bad[4].shape.radius = 0.0;
+    bad[5].orientation[0] = INFINITY;
+    bad[6].joint.along[0] = SCREE_DRIVEN;
+    bad[6].joint.along_motion[0] = 3;
+    bad[7].joint.along[0] = SCREE_FIXED;
+    bad[7].velocity[0] = 1.0;
+    bad[8].joint.turn = SCREE_FIXED;
+    bad[8].spin[2] = 1.0;
+    bad[9].joint.turn = SCREE_DRIVEN;
+    bad[9].joint.turn_motion = motion; /* no axis */
+    bad[10].shape = (scree_shape){.kind = SCREE_PLANE};
+    bad[11].shape = (scree_shape){.kind = SCREE_PLANE};
+    for (int k = 0; k < 3; k++) bad[11].joint.along[k] = SCREE_FIXED;
+    bad[11].joint.turn = SCREE_DRIVEN;
+    bad[11].joint.turn_motion = motion;
+    bad[11].joint.axis[0] = 1.0; /* not its normal */
+    for (int k = 0; k < 12; k++) {
+        CHECK(scree_scene_add_body(scene, &bad[k], NULL) == SCREE_BAD_INPUT);
+        CHECK(scree_scene_trouble(scene)->text[0] != '\0' && scree_scene_trouble(scene)->field[0] != '\0');
+    }
+    CHECK(scree_scene_add_body(scene, &ball, NULL) == SCREE_OK);
+    CHECK(scree_scene_add_body(scene, &ball, NULL) == SCREE_BAD_INPUT);
+    ball.name = "second";
+    ball.position[0] = 0.5;
+    CHECK(scree_scene_add_body(scene, &ball, NULL) == SCREE_OK);
+    CHECK(scree_scene_bake(scene) == SCREE_BAD_INPUT); /* no contact between a and a */
+    CONTAINS(scree_scene_trouble(scene)->text, "\"a\" and \"a\"");
+    CHECK(scree_scene_step(scene, 1) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_add_body(scene, &ball, NULL) == SCREE_BAD_INPUT);
+    scree_scene_destroy(scene);
+    scree_scene_destroy(NULL);
+}
+
+int main(void) {
+    test_impact_order();
+    test_incline();
+    test_sliding_distance();
+    test_restitution();
+    test_conventional();
+    test_energy();
+    test_rest();
+    test_same_bits();
+    test_golden();
+    test_plan();
+    test_stability_limit();
+    test_stops();
+    test_definitions();
+    return check_report();
+}

@@ -1,0 +1,390 @@
+/* engine/: the TOML reader, scene files and tables; above all what they refuse, and where they say it is. */
+#include "engine/table.h"
+#include "engine/toml.h"
+#include "tests/scenes.h"
+
+#include <locale.h>
+
+/* ---- TOML ---- */
+
+static scree_status parse(const char *text, struct scree_toml_document *document, scree_trouble *trouble) {
+    return scree_toml_parse(text, strlen(text), "t.toml", document, trouble);
+}
+
+static void test_accepted(void) {
+    const char *text = "# comment\n"
+                       "title = \"a\\tb\\u00e9\\\\ \\\"q\\\"\" # end\n"
+                       "literal = 'C:\\path'\r\n"
+                       "\"quoted key\" = 1\n"
+                       "integer = -1_000\nhex = 0xff_ff\noctal = 0o17\nbinary = 0b101\n"
+                       "float = 6.02e+23\nsmall = -1e-3\nplain = 3.5\nunder = 1_0.2_5\nbig = inf\nnone = -nan\n"
+                       "yes = true\nno = false\n"
+                       "array = [1, [2.5, 'x'], # comment\n  {a = 1},\n]\n"
+                       "empty = []\nalso = {}\n"
+                       "a.b.c = 1\na.b.d = 2\n"
+                       "[table]\nkey = 1\n"
+                       "[table.inner]\nkey = 2\n"
+                       "[other.deep]\nkey = 3\n"
+                       "[other]\nkey = 4\n"
+                       "[[list]]\nname = \"one\"\n[list.sub]\nx = 1\n[[list.items]]\ny = 2\n"
+                       "[[list]]\nname = \"two\"\npoint = { x = 1.5, y.z = 2 }\n";
+    struct scree_toml_document document;
+    scree_trouble trouble = {0};
+    CHECK(parse(text, &document, &trouble) == SCREE_OK);
+    if (trouble.text[0]) printf("%s\n", trouble.text);
+    const struct scree_toml *root = document.root;
+    CHECK(strcmp(scree_toml_get(root, "title")->string, "a\tb\xc3\xa9\\ \"q\"") == 0);
+    CHECK(strcmp(scree_toml_get(root, "literal")->string, "C:\\path") == 0);
+    CHECK(scree_toml_get(root, "quoted key")->integer == 1);
+    CHECK(scree_toml_get(root, "integer")->integer == -1000 && scree_toml_get(root, "integer")->number == -1000.0);
+    CHECK(scree_toml_get(root, "hex")->integer == 65535 && scree_toml_get(root, "octal")->integer == 15);
+    CHECK(scree_toml_get(root, "binary")->integer == 5);
+    CHECK(scree_toml_get(root, "float")->number == 6.02e23 && scree_toml_get(root, "small")->number == -1e-3);
+    CHECK(scree_toml_get(root, "under")->number == 10.25);
+    CHECK(isinf(scree_toml_get(root, "big")->number) && isnan(scree_toml_get(root, "none")->number));
+    CHECK(scree_toml_get(root, "yes")->number == 1.0 && scree_toml_get(root, "no")->type == SCREE_TOML_BOOLEAN);
+    CHECK(scree_toml_get(root, "array")->count == 3 && scree_toml_get(root, "empty")->count == 0);
+    CHECK(scree_toml_get(scree_toml_get(scree_toml_get(root, "a"), "b"), "d")->integer == 2);
+    CHECK(scree_toml_get(scree_toml_get(scree_toml_get(root, "table"), "inner"), "key")->integer == 2);
+    CHECK(scree_toml_get(scree_toml_get(root, "other"), "key")->integer == 4);
+    const struct scree_toml *list = scree_toml_get(root, "list");
+    CHECK(list->count == 2 && scree_toml_get(scree_toml_get(list->first, "items")->first, "y")->integer == 2);
+    CHECK(scree_toml_get(scree_toml_get(scree_toml_get(list->last, "point"), "y"), "z")->integer == 2);
+    CHECK(scree_toml_get(list->last, "point")->line == 40 && scree_toml_get(list->last, "point")->column == 9);
+    CHECK(scree_toml_nearest(list->last, "point.x")->number == 1.5);
+    CHECK(scree_toml_nearest(list->last, "point.q") == scree_toml_get(list->last, "point"));
+
+    CHECK(scree_toml_set(&document, "list.two.point.x = 7", &trouble) == SCREE_OK);
+    CHECK(scree_toml_get(scree_toml_get(list->last, "point"), "x")->integer == 7);
+    CHECK(scree_toml_set(&document, "list.0.name=\"uno\"", &trouble) == SCREE_OK);
+    CHECK(strcmp(scree_toml_get(list->first, "name")->string, "uno") == 0);
+    CHECK(scree_toml_set(&document, "table.added=[1,2]", &trouble) == SCREE_OK);
+    CHECK(scree_toml_get(scree_toml_get(root, "table"), "added")->count == 2);
+    static const char *const bad[] = {"nowhere.x=1", "list.five.x=1", "table.key", "table.key=", "table.key=1 2",
+                                      "=1",          "list.9=1"};
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
+        CHECK(scree_toml_set(&document, bad[k], &trouble) == SCREE_BAD_INPUT && trouble.text[0]);
+    scree_toml_free(&document);
+}
+
+static void test_refused(void) {
+    /* Text, and what the message must hold. All of it is invalid TOML 1.0, or not supported (the last four). */
+    static const char *const cases[][2] = {
+        {"a = 1\na = 2", "2:1: \"a\" is given twice (first on line 1)"},
+        {"[a]\n[a]", "2:"},
+        {"[a]\nb = 1\n[a.b]", "is an integer already"},
+        {"a = {b = 1}\na.c = 2", "can't be extended"},
+        {"a = {b = 1}\n[a.c]", "can't be extended"},
+        {"a.b = 1\n[a]\nc = 2", "defined twice"},
+        {"[x.a]\n[x]\na.c = 1", "can't be extended"},
+        {"a = [1]\n[[a]]", "is an array already"},
+        {"[[a]]\n[a]", "is an array already"},
+        {"a = {b = {c = 1}, b.d = 2}", "can't be extended"},
+        {"a", "expected ="},
+        {"= 1", "expected a key"},
+        {"a = ", "1:5: expected a value"},
+        {"a = 01", "no number"},
+        {"a = 1.", "no number"},
+        {"a = .5", "no number"},
+        {"a = 1__0", "no number"},
+        {"a = _1", "no number"},
+        {"a = 1e", "no number"},
+        {"a = +0x1", "no number"},
+        {"a = 0xg", "no number"},
+        {"a = 1 2", "expected the end of the line"},
+        {"a = \"x", "isn't closed"},
+        {"a = \"\\q\"", "escape"},
+        {"a = \"\\ud800\"", "escape"},
+        {"a = \"tab\x01\"", "control character"},
+        {"a = 'x\ny'", "isn't closed"},
+        {"a = [1, 2", "expected , or ]"},
+        {"a = [1 2]", "expected , or ]"},
+        {"a = {b = 1,\n c = 2}", "expected a key"},
+        {"a = {b = 1", "expected , or }"},
+        {"a = {b = 1,}", "expected a key"},
+        {"[a", "expected ]"},
+        {"[[a]", "expected ]]"},
+        {"[]", "expected a key"},
+        {"a = tru", "no number, true, false"},
+        {"# \x07", "control character in a comment"},
+        {"a = \"\xff\"", "1:6: this is not UTF-8"},
+        {"a = \"\xc0\x80\"", "not UTF-8"},
+        {"a = 1\r b = 2", "expected the end of the line"},
+        {"a = \"\"\"x\"\"\"", "multi-line strings aren't supported"},
+        {"a = 1979-05-27", "dates and times aren't supported"},
+        {"a = 07:32:00", "dates and times aren't supported"},
+        {"a = '''x'''", "multi-line"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        struct scree_toml_document document;
+        scree_trouble trouble = {0};
+        CHECK(parse(cases[k][0], &document, &trouble) == SCREE_BAD_INPUT);
+        CONTAINS(trouble.text, "t.toml:");
+        CONTAINS(trouble.text, cases[k][1]);
+        scree_toml_free(&document);
+    }
+}
+
+/* A text of `count` times the same piece. */
+static char *repeat(const char *head, const char *piece, size_t count, const char *tail) {
+    size_t length = strlen(piece), size = strlen(head) + count * length + strlen(tail) + 1;
+    char *text = malloc(size), *to = text + sprintf(text, "%s", head);
+    for (size_t k = 0; k < count; k++, to += length) memcpy(to, piece, length);
+    strcpy(to, tail);
+    return text;
+}
+
+/* Sizes that could exhaust stack, memory or patience. */
+static void test_monsters(void) {
+    static const struct {
+        const char *head, *piece, *tail, *message;
+        size_t count;
+    } monsters[] = {
+        {"a = ", "[", "", "nested deeper", 1000000},        {"a = ", "{b = ", "", "nested deeper", 1000000},
+        {"", "a.", "a = 1", "more than 16 parts", 1000000}, {"[", "a.", "a]", "more than 16 parts", 1000000},
+        {"a = [", "1,", "]", "too many values", 5000000},   {"a = [", "\"x\",", "]", "too many values", 5000000},
+        {"", "[[a]]\n", "", "too many values", 5000000},    {"", "# filler\n", "", "too large", 4000000},
+        {"a = \"", "x", "", "isn't closed", 3000000},
+    };
+    for (size_t k = 0; k < sizeof monsters / sizeof monsters[0]; k++) {
+        char *text = repeat(monsters[k].head, monsters[k].piece, monsters[k].count, monsters[k].tail);
+        struct scree_toml_document document;
+        scree_trouble trouble = {0};
+        CHECK(parse(text, &document, &trouble) != SCREE_OK);
+        CONTAINS(trouble.text, monsters[k].message);
+        scree_toml_free(&document);
+        free(text);
+    }
+    /* As many keys in one table as no scene needs. */
+    char *text = malloc(400 * 16), *to = text;
+    for (int n = 0; n < 400; n++) to += sprintf(to, "k%d = 1\n", n);
+    struct scree_toml_document document;
+    scree_trouble trouble;
+    CHECK(parse(text, &document, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "257:");
+    scree_toml_free(&document);
+    free(text);
+}
+
+/* ---- tables ---- */
+
+static void test_tables(void) {
+    struct scree_table table;
+    scree_trouble trouble;
+    char good[] = "# comment\ntime_s, position_m ,note\n0,1.5,2\n\n1e-3,-2,3\r\n";
+    CHECK(scree_table_parse(good, "t.csv", &table, &trouble) == SCREE_OK);
+    CHECK(table.rows == 2 && table.columns == 3);
+    CHECK(scree_table_column(&table, "position")[1] == -2.0 && scree_table_column(&table, "time")[1] == 1e-3);
+    CHECK(scree_table_column(&table, "posit") == NULL && scree_table_column(&table, "note") != NULL);
+    scree_table_free(&table);
+    static const char *const bad[][2] = {{"", "empty"},
+                                         {"1,2\n3,4\n", "t.csv:1: expected a header"},
+                                         {"a,b\n1,x\n", "t.csv:2:3: this is no number"},
+                                         {"a,b\n1,2\n1\n", "t.csv:3:1: wrong number of columns"},
+                                         {"a,b\n1,2,3\n", "t.csv:2:3: wrong number of columns"},
+                                         {"a,b\n1,2 x\n", "t.csv:2:3: this is no number"}};
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        char text[64];
+        strcpy(text, bad[k][0]);
+        CHECK(scree_table_parse(text, "t.csv", &table, &trouble) == SCREE_BAD_INPUT);
+        CONTAINS(trouble.text, bad[k][1]);
+    }
+}
+
+/* ---- scene files ---- */
+
+static const char good_scene[] = "title = \"t\"\n"                                                     /* 1 */
+                                 "gravity = [0, 0, -9.81]\n"                                           /* 2 */
+                                 "[time]\n"                                                            /* 3 */
+                                 "end = 0.01\n"                                                        /* 4 */
+                                 "step = 1e-5\n"                                                       /* 5 */
+                                 "[[material]]\n"                                                      /* 6 */
+                                 "name = \"a\"\n"                                                      /* 7 */
+                                 "density = 1000\n"                                                    /* 8 */
+                                 "[[contact]]\n"                                                       /* 9 */
+                                 "between = [\"a\", \"a\"]\n"                                          /* 10 */
+                                 "normal = { law = \"linear\", stiffness = 1e4, restitution = 0.5 }\n" /* 11 */
+                                 "friction = { law = \"ramp\", kinetic = 0.3, threshold = 0.01 }\n"    /* 12 */
+                                 "shared_by = 1\n"                                                     /* 13 */
+                                 "[[motion]]\n"                                                        /* 14 */
+                                 "name = \"m\"\n"                                                      /* 15 */
+                                 "kind = \"table\"\n"                                                  /* 16 */
+                                 "rows = [[0, 0], [1, 1]]\n"                                           /* 17 */
+                                 "[[body]]\n"                                                          /* 18 */
+                                 "name = \"one\"\n"                                                    /* 19 */
+                                 "shape = { box = [0.1, 0.1, 0.1], rounding = 0.01 }\n"                /* 20 */
+                                 "material = \"a\"\n"                                                  /* 21 */
+                                 "position = [0, 0, 0]\n"                                              /* 22 */
+                                 "joint = { x = \"m\", others = \"fixed\" }\n"                         /* 23 */
+                                 "[[body]]\n"                                                          /* 24 */
+                                 "name = \"two\"\n"                                                    /* 25 */
+                                 "shape = { sphere = 0.1 }\n"                                          /* 26 */
+                                 "material = \"a\"\n"                                                  /* 27 */
+                                 "position = [0, 0, 0.15]\n"                                           /* 28 */
+                                 "[output]\n"                                                          /* 29 */
+                                 "every = 1e-3\n"                                                      /* 30 */
+                                 "write = [\"bodies.csv\"]\n";                                         /* 31 */
+
+/* The good scene with line `line` replaced (0: `text` appended). */
+static char *with_line(int line, const char *text) {
+    char *copy = malloc(sizeof good_scene + strlen(text) + 2), *to = copy;
+    const char *at = good_scene;
+    for (int n = 1; *at; n++) {
+        const char *end = strchr(at, '\n') + 1;
+        to += n == line ? sprintf(to, "%s\n", text) : sprintf(to, "%.*s", (int)(end - at), at);
+        at = end;
+    }
+    if (line == 0) sprintf(to, "%s\n", text);
+    return copy;
+}
+
+static void expect_refusal(int line, const char *text, const char *where, const char *message) {
+    char *scene_text = with_line(line, text);
+    scree_scene *scene;
+    struct scree_run_request request;
+    scree_trouble trouble = {0};
+    scree_status status =
+        scree_read_scene(scene_text, strlen(scene_text), "s.toml", NULL, 0, 0, &scene, &request, &trouble);
+    CHECK(status == SCREE_BAD_INPUT || status == SCREE_NO_FILE);
+    CHECK(scene == NULL);
+    CONTAINS(trouble.text, where);
+    CONTAINS(trouble.text, message);
+    scree_scene_destroy(scene);
+    scree_free_request(&request);
+    free(scene_text);
+}
+
+static void test_scene_errors(void) {
+    scree_scene_destroy(scene_from(good_scene, NULL, 0, 0));
+    static const struct {
+        int line;
+        const char *text, *where, *message;
+    } cases[] = {
+        {1, "titel = \"t\"", "s.toml:1:9:", "unknown key \"titel\" in the scene; did you mean \"title\"?"},
+        {1, "title = 5", "s.toml:1:9:", "title must be a string, not an integer"},
+        {2, "gravity = [0, 0]", "s.toml:2:11:", "array of 3 numbers"},
+        {2, "gravity = [0, 0, nan]", "s.toml:2:18:", "finite"},
+        {2, "gravity = { vector = [0, 0, -9.81], axis = [0, 0, 0], tilt = \"m\" }",
+         "s.toml:2:", "axis other than zero"},
+        {2, "gravity = { vector = [0, 0, -9.81], tilt = \"n\" }",
+         "s.toml:2:44:", "no motion called \"n\"; did you mean \"m\"?"},
+        {4, "end = -1", "s.toml:4:7:", "> 0"},
+        {4, "end = inf", "s.toml:4:7:", "finite"},
+        {4, "", "s.toml:3:", "[time] needs end"},
+        {5, "step = 1", "s.toml:5:8:", "beyond the stability limit of the stiffest contact"},
+        {5, "step = 0", "s.toml:5:8:", "step must be > 0"},
+        {5, "step = \"big\"", "s.toml:5:8:", "or \"auto\""},
+        {5, "integrator = \"verlett\"", "s.toml:5:14:", "did you mean \"verlet\"?"},
+        {7, "name = \"\"", "s.toml:7:8:", "needs a name"},
+        {8, "density = -5", "s.toml:8:11:", "positive number in kg/m^3"},
+        {8, "density = \"heavy\"", "s.toml:8:11:", "must be a number"},
+        {8, "densty = 5", "s.toml:8:10:", "did you mean \"density\"?"},
+        {10, "between = [\"a\", \"b\"]", "s.toml:10:17:", "no material called \"b\""},
+        {10, "between = \"a\"", "s.toml:10:11:", "between = ["},
+        {11, "normal = { law = \"linaer\", stiffness = 1e4, damping = 0 }", "s.toml:11:", "did you mean \"linear\"?"},
+        {11, "normal = { law = \"linear\", stiffness = -1, damping = 0 }", "s.toml:11:40:", "must be > 0"},
+        {11, "normal = { law = \"linear\", stiffness = 1e4, restitution = 2 }", "s.toml:11:59:", "<= 1"},
+        {11, "normal = { stiffness = 1e4, restitution = 0.5 }", "s.toml:11:", "needs a law"},
+        {11, "normal = \"linear\"", "s.toml:11:10:", "must be a table"},
+        {11, "", "s.toml:9:", "needs a normal law"},
+        {12, "friction = { law = \"ramp\", kinetic = 0.3, treshold = 0.01 }",
+         "s.toml:12:", "did you mean \"threshold\"?"},
+        {13, "shared_by = 0.5", "s.toml:13:13:", "whole number"},
+        {13, "shared_by = 0", "s.toml:13:13:", "whole number"},
+        {16, "kind = \"tabel\"", "s.toml:16:8:", "did you mean \"table\"?"},
+        {17, "rows = [[0, 0], [0, 1]]", "s.toml:", "times of a motion table must increase: row 2"},
+        {17, "rows = [[0, 0], [1, 1, 1]]", "s.toml:17:17:", "2 numbers like the first"},
+        {17, "rows = [[0, 0]]", "s.toml:", "at least 2 rows"},
+        {17, "file = \"missing.csv\"", "missing.csv:", "No such file"},
+        {17, "rows = [[0, 0], [1, 1]]\ninterpolation = \"cubic\"", "s.toml:", "column of velocities"},
+        {19, "name = \"two\"", "s.toml:25:8:", "two of the body \"two\""},
+        {20, "shape = { box = [0.1, 0.1, 0.1], rounding = 0.06 }", "s.toml:20:45:", "half its shortest edge"},
+        {20, "shape = { box = [0.1, -0.1, 0.1] }", "s.toml:20:", "edge 2 of a box"},
+        {20, "shape = { cube = 0.1 }", "s.toml:20:", "unknown key \"cube\""},
+        {20, "shape = { sphere = 0.1, box = [1, 1, 1] }", "s.toml:20:", "just one of"},
+        {20, "shape = { plane = false }", "s.toml:20:", "plane = true"},
+        {21, "material = \"b\"", "s.toml:21:12:", "no material called \"b\""},
+        {22, "position = [0, 0]", "s.toml:22:12:", "array of 3 numbers"},
+        {22, "position = [0, 0, 0]\norientation = [0, 0, 0, 0]", "s.toml:23:", "must not be zero"},
+        {23, "joint = \"fred\"", "s.toml:23:9:", "\"free\", \"fixed\""},
+        {23, "joint = { x = \"n\", others = \"fixed\" }", "s.toml:23:15:", "no motion called \"n\""},
+        {23, "joint = { x = \"m\", others = \"fixed\" }\nvelocity = [1, 0, 0]",
+         "s.toml:24:", "its joint fixes or drives"},
+        {23, "joint = { turn = \"m\", others = \"fixed\" }", "s.toml:23:18:", "needs its axis"},
+        {26, "shape = { sphere = 0 }", "s.toml:26:", "positive length"},
+        {26, "shape = { sphere = inf }", "s.toml:26:", "finite"},
+        {28, "position = [0, 0, 0.05]", "s.toml:", "bodies \"two\" and \"one\" overlap by 0.1 m at the start"},
+        {28, "position = [0, 0, 0.15]\nmass = 0", "s.toml:29:8:", "must be > 0 kg"},
+        {28, "position = [0, 0, 0.15]\nmass = nan", "s.toml:29:8:", "finite"},
+        {30, "every = 0", "s.toml:30:9:", "> 0 s"},
+        {31, "write = [\"body.csv\"]", "s.toml:31:10:", "did you mean \"bodies.csv\"?"},
+        {31, "write = []\nbodies = [\"three\"]", "s.toml:32:11:", "no body called \"three\""},
+        {0, "[[body]]\nname = \"x\"\nmaterial = \"a\"", "s.toml:32:1", "needs a shape"},
+        {0, "[body]\n", "s.toml:32:", "is an array already"},
+        {0, "[[contact]]\nbetween = [\"a\", \"a\"]\nnone = true", "s.toml:33:11:", "two contacts between"},
+        {9, "[[material]]\nname = \"c\"\n[[contact]]", "s.toml", ""},
+    };
+    /* The last case is a valid change: it proves that the cases before fail for their own reasons. */
+    size_t count = sizeof cases / sizeof cases[0];
+    for (size_t k = 0; k + 1 < count; k++)
+        expect_refusal(cases[k].line, cases[k].text, cases[k].where, cases[k].message);
+    char *valid = with_line(cases[count - 1].line, cases[count - 1].text);
+    scree_scene_destroy(scene_from(valid, NULL, 0, 0));
+    free(valid);
+}
+
+/* The same scene from a file and from C gives the same bits. */
+static void test_file_and_c(void) {
+    scree_scene *from_file = scene_from(good_scene, NULL, 0, 0), *from_c = scree_scene_create();
+    int a, m;
+    double times[] = {0.0, 1.0}, positions[] = {0.0, 1.0};
+    CHECK(!scree_scene_add_material(from_c, &(scree_material_def){.name = "a", .density = 1000.0}, &a));
+    CHECK(!scree_scene_add_contact(
+        from_c, &(scree_contact_def){.between = {a, a},
+                                     .normal = {"linear", 2, {{"stiffness", 1e4}, {"restitution", 0.5}}},
+                                     .friction = {"ramp", 2, {{"kinetic", 0.3}, {"threshold", 0.01}}}}));
+    CHECK(!scree_scene_add_motion(
+        from_c,
+        &(scree_motion_def){.name = "m", .kind = SCREE_MOTION_TABLE, .rows = 2, .times = times, .positions = positions},
+        &m));
+    CHECK(!scree_scene_set_gravity(from_c, &(scree_gravity_def){.vector = {0.0, 0.0, -9.81}}));
+    CHECK(!scree_scene_set_time(from_c, &(scree_time_def){.step = 1e-5}));
+    scree_body_def one = {
+        .name = "one",
+        .shape = {.kind = SCREE_BOX, .edge = {0.1, 0.1, 0.1}, .rounding = 0.01},
+        .material = a,
+        .joint = {.along = {SCREE_DRIVEN, SCREE_FIXED, SCREE_FIXED}, .turn = SCREE_FIXED, .along_motion = {m, 0, 0}}};
+    scree_body_def two = {
+        .name = "two", .shape = {.kind = SCREE_SPHERE, .radius = 0.1}, .material = a, .position = {0, 0, 0.15}};
+    CHECK(!scree_scene_add_body(from_c, &one, NULL) && !scree_scene_add_body(from_c, &two, NULL));
+    CHECK(!scree_scene_bake(from_c));
+    go(from_file, 3000);
+    go(from_c, 3000);
+    CHECK(scree_scene_hash(from_file) == scree_scene_hash(from_c));
+    CHECK(scree_scene_deepest(from_c, NULL, NULL) > 0.0);
+    scree_scene_destroy(from_file);
+    scree_scene_destroy(from_c);
+}
+
+/* A host program's locale with a decimal comma changes nothing. */
+static void test_locale(void) {
+    static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"};
+    const char *set = NULL;
+    for (int k = 0; k < 3 && !set; k++) set = setlocale(LC_ALL, names[k]);
+    if (!set) printf("(no locale with a decimal comma is installed: locale test skipped)\n");
+    scree_scene *scene = scene_from(good_scene, NULL, 0, 0);
+    CHECK(scree_scene_step_length(scene) == 1e-5);
+    scree_scene_destroy(scene);
+    setlocale(LC_ALL, "C");
+}
+
+int main(void) {
+    test_accepted();
+    test_refused();
+    test_monsters();
+    test_tables();
+    test_scene_errors();
+    test_file_and_c();
+    test_locale();
+    return check_report();
+}
