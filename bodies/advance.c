@@ -5,51 +5,54 @@
 
 #include <string.h>
 
-/* Sine and cosine of an angle that is small in every sensible step; the short series is exact to rounding there. */
-static inline void sincos_small(double x, double *sine, double *cosine) {
+/* Sine and cosine of an angle x and of 2x. In every sensible step angles are small, and a body's rotation is a chain of six
+ * such turns, each waiting for the one before: so the short series, with few operations one after the other, comes
+ * first. Both ways are exact to rounding. */
+struct turn {
+    double sine, cosine, sine2, cosine2;
+};
+
+static inline struct turn make_turn(double x) {
     double z = x * x;
-    if (!(z < 4e-4)) {
-        scree_sincos(x, sine, cosine);
-        return;
-    }
-    /* Estrin's order: these two are on the critical path of a rotating body. */
-    double zz = z * z;
-    *sine = x * ((1.0 - z * (1.0 / 6.0)) + zz * (1.0 / 120.0 - z * (1.0 / 5040.0)));
-    *cosine = (1.0 - 0.5 * z) + zz * ((1.0 / 24.0 - z * (1.0 / 720.0)) + zz * (1.0 / 40320.0));
+    if (z < 1e-8)
+        return (struct turn){x * (1.0 - z * (1.0 / 6.0)), 1.0 - 0.5 * z, x * (2.0 - z * (4.0 / 3.0)),
+                             1.0 - z * (2.0 - z * (2.0 / 3.0))};
+    double s, c;
+    scree_sincos(x, &s, &c);
+    return (struct turn){s, c, 2.0 * s * c, 1.0 - 2.0 * s * s};
 }
 
 /* The quaternion of a turn by `angle` about the unit vector `axis`. */
 static struct quat turn_about(struct vec axis, double angle) {
     double s, c;
-    sincos_small(0.5 * angle, &s, &c);
+    scree_sincos(0.5 * angle, &s, &c);
     return (struct quat){c, s * axis.x, s * axis.y, s * axis.z};
 }
 
 /* Turn a body about its own axis k by twice the angle `half`; p is its angular momentum in body axes. */
 static inline void turn_axis(int k, double half, struct quat *q, struct vec *p) {
-    double s, c;
-    sincos_small(half, &s, &c);
-    double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
+    struct turn t = make_turn(half);
+    double s = t.sine, c = t.cosine;
     struct quat o = *q;
     struct vec m = *p;
     if (k == 0) {
         *q = (struct quat){c * o.w - s * o.x, c * o.x + s * o.w, c * o.y + s * o.z, c * o.z - s * o.y};
-        *p = vec(m.x, cosine * m.y + sine * m.z, cosine * m.z - sine * m.y);
+        *p = vec(m.x, t.cosine2 * m.y + t.sine2 * m.z, t.cosine2 * m.z - t.sine2 * m.y);
     } else if (k == 1) {
         *q = (struct quat){c * o.w - s * o.y, c * o.x - s * o.z, c * o.y + s * o.w, c * o.z + s * o.x};
-        *p = vec(cosine * m.x - sine * m.z, m.y, cosine * m.z + sine * m.x);
+        *p = vec(t.cosine2 * m.x - t.sine2 * m.z, m.y, t.cosine2 * m.z + t.sine2 * m.x);
     } else {
         *q = (struct quat){c * o.w - s * o.z, c * o.x + s * o.y, c * o.y - s * o.x, c * o.z + s * o.w};
-        *p = vec(cosine * m.x + sine * m.y, cosine * m.y - sine * m.x, m.z);
+        *p = vec(t.cosine2 * m.x + t.sine2 * m.y, t.cosine2 * m.y - t.sine2 * m.x, m.z);
     }
 }
 
 /* Free rotation for time t by turns about the body's principal axes (Dullweber, Leimkuhler & McLachlan 1997): each is
  * exact, so the angular momentum in the world is kept to rounding. In the order x, y, z for the first half of a
  * step and z, y, x for the second, which makes the step symmetric in time and of second order. */
-static struct quat rotate_freely(struct quat q, struct vec l, const double inverse_moments[3], double t, int second) {
-    struct mat frame = quat_to_mat(q);
-    struct vec p = mat_undo(&frame, l);
+static inline struct quat rotate_freely(struct quat q, const struct mat *frame, struct vec l,
+                                        const double inverse_moments[3], double t, int second) {
+    struct vec p = mat_undo(frame, l);
     double a = 0.5 * t * inverse_moments[0], b = 0.5 * t * inverse_moments[1], c = 0.5 * t * inverse_moments[2];
     if (!second) {
         turn_axis(0, a * p.x, &q, &p);
@@ -65,13 +68,14 @@ static struct quat rotate_freely(struct quat q, struct vec l, const double inver
     return (struct quat){s * q.w, s * q.x, s * q.y, s * q.z};
 }
 
-/* Turn for time t at the given angular momentum, whatever the joint. `angle` is that of a driven turn at the end. */
-static struct quat rotate(const struct scree_attitude *attitude, const struct scree_inertia *inertia,
-                          const scree_joint *joint, struct quat q, struct vec l, double t, int second, double angle) {
+/* Turn for time t at the given angular momentum, whatever the joint. `frame` belongs to q; `angle` is that of a driven turn
+ * at the end. */
+static inline struct quat rotate(const struct scree_attitude *attitude, const struct scree_inertia *inertia,
+                                 const scree_joint *joint, struct quat q, const struct mat *frame, struct vec l,
+                                 double t, int second, double angle) {
     struct vec axis = vec_from(attitude->axis);
-    if (joint->turn == SCREE_FIXED) return q;
     if (joint->turn == SCREE_DRIVEN) return quat_multiply(turn_about(axis, angle), quat_from(attitude->start));
-    if (attitude->inverse_hinge == 0.0) return rotate_freely(q, l, inertia->inverse_moments, t, second);
+    if (attitude->inverse_hinge == 0.0) return rotate_freely(q, frame, l, inertia->inverse_moments, t, second);
     return quat_normalise(quat_multiply(turn_about(axis, attitude->inverse_hinge * vec_dot(axis, l) * t), q));
 }
 
@@ -105,8 +109,8 @@ static void face(struct scree_bodies *bodies, int index, struct quat q) {
     if (bodies->shape[index].kind == SCREE_BOX) place_corners(attitude, bodies->corner + 1 + 8 * bodies->slot[index]);
 }
 
-static struct scree_motion_value drive(const struct scree_bodies *bodies, int motion, double time) {
-    return scree_motion_at(&bodies->motion[motion], time);
+static void drive_to(const struct scree_bodies *bodies, double time) {
+    for (int k = 0; k < bodies->motions; k++) bodies->moved[k] = scree_motion_at(&bodies->motion[k], time);
 }
 
 /* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
@@ -135,42 +139,51 @@ static int look_ahead_ball(struct scree_record *record, const struct scree_state
     return outgrown(record, step * sqrt(speed2), margin);
 }
 
-static int look_ahead_general(struct scree_bodies *bodies, int index, double time, double step, const double gravity[3],
+/* Attitude and spin half a step ahead; a body that can't turn keeps both. */
+static void look_ahead_turn(struct scree_bodies *bodies, int index, double step) {
+    const scree_joint *joint = &bodies->joint[index];
+    if (joint->turn == SCREE_FIXED) return;
+    struct scree_record *record = &bodies->record[index];
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    struct scree_motion_value turn = {0};
+    if (joint->turn == SCREE_DRIVEN) turn = bodies->moved[joint->turn_motion];
+    struct vec l = vec_from(bodies->state[index].l);
+    struct quat q = quat_from(attitude->q);
+    struct mat frame = quat_to_mat(q);
+    face(bodies, index, rotate(attitude, inertia, joint, q, &frame, l, 0.5 * step, 0, turn.position));
+    struct vec predicted = vec_axpy(l, 0.5, vec_from(record->t));
+    vec_store(spin_at(attitude, inertia, joint, &attitude->frame, predicted, turn.velocity), record->w);
+}
+
+static int look_ahead_general(struct scree_bodies *bodies, int index, double step, const double gravity[3],
                               double margin) {
     struct scree_record *record = &bodies->record[index];
     const struct scree_state *state = &bodies->state[index];
     const struct scree_inertia *inertia = &bodies->inertia[index];
     const scree_joint *joint = &bodies->joint[index];
-    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
     struct vec before = vec_from(record->x);
-    double middle = time + 0.5 * step;
     for (int k = 0; k < 3; k++) {
         if (joint->along[k] == SCREE_DRIVEN) {
-            struct scree_motion_value value = drive(bodies, joint->along_motion[k], middle);
-            record->x[k] = bodies->origin[index][k] + value.position;
-            record->v[k] = value.velocity;
+            record->x[k] = bodies->origin[index][k] + bodies->moved[joint->along_motion[k]].position;
+            record->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
             record->x[k] = state->x[k] + 0.5 * step * state->v[k];
             record->v[k] = state->v[k] + 0.5 * (inertia->inverse_mass[k] * record->f[k] + step * gravity[k]);
         }
     }
-    struct scree_motion_value turn = {0};
-    if (joint->turn == SCREE_DRIVEN) turn = drive(bodies, joint->turn_motion, middle);
-    struct vec l = vec_from(state->l);
-    face(bodies, index, rotate(attitude, inertia, joint, quat_from(attitude->q), l, 0.5 * step, 0, turn.position));
-    struct vec predicted = vec_axpy(l, 0.5, vec_from(record->t));
-    struct vec spin = spin_at(attitude, inertia, joint, &attitude->frame, predicted, turn.velocity);
-    vec_store(spin, record->w);
+    look_ahead_turn(bodies, index, step);
     clear_loads(record);
     /* A plane turns about its normal only, so its turning moves no surface. */
     double reach = bodies->shape[index].kind == SCREE_PLANE ? 0.0 : record->bound;
-    double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(spin) * reach;
+    double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(vec_from(record->w)) * reach;
     return outgrown(record, way, margin);
 }
 
 int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                             double margin) {
     int too_far = 0;
+    drive_to(bodies, time + 0.5 * step);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL)
             too_far |=
@@ -178,50 +191,61 @@ int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double ste
         else if (bodies->class[k] == SCREE_CLASS_FIXED)
             clear_loads(&bodies->record[k]);
         else
-            too_far |= look_ahead_general(bodies, k, time, step, gravity, margin);
+            too_far |= look_ahead_general(bodies, k, step, gravity, margin);
     }
     return too_far;
 }
 
+/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such numbers
+ * become denormal, on which processors take a slow path; so numbers this small are zero. */
+static inline double settle(double x) { return fabs(x) < 1e-140 ? 0.0 : x; }
+
 static void advance_ball(const struct scree_record *record, struct scree_state *state,
                          const struct scree_inertia *inertia, double step, const double gravity[3]) {
     for (int k = 0; k < 3; k++) {
-        state->v[k] += inertia->inverse_mass[k] * record->f[k] + step * gravity[k];
+        state->v[k] = settle(state->v[k] + (inertia->inverse_mass[k] * record->f[k] + step * gravity[k]));
         state->x[k] = record->x[k] + 0.5 * step * state->v[k];
-        state->l[k] += record->t[k];
+        state->l[k] = settle(state->l[k] + record->t[k]);
     }
 }
 
-static void advance_general(struct scree_bodies *bodies, int index, double time, double step, const double gravity[3]) {
+static void advance_turn(struct scree_bodies *bodies, int index, double step) {
+    const scree_joint *joint = &bodies->joint[index];
+    if (joint->turn == SCREE_FIXED) return;
+    struct scree_state *state = &bodies->state[index];
+    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    double angle = joint->turn == SCREE_DRIVEN ? bodies->moved[joint->turn_motion].position : 0.0;
+    for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
+        state->l[k] = settle(state->l[k] + bodies->record[index].t[k]);
+    struct quat q = rotate(attitude, &bodies->inertia[index], joint, attitude->ahead, &attitude->frame,
+                           vec_from(state->l), 0.5 * step, 1, angle);
+    quat_store(q, attitude->q);
+}
+
+static void advance_general(struct scree_bodies *bodies, int index, double step, const double gravity[3]) {
     const struct scree_record *record = &bodies->record[index];
     struct scree_state *state = &bodies->state[index];
-    const struct scree_inertia *inertia = &bodies->inertia[index];
     const scree_joint *joint = &bodies->joint[index];
-    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
-    double end = time + step, angle = 0.0;
     for (int k = 0; k < 3; k++) {
         if (joint->along[k] == SCREE_DRIVEN) {
-            struct scree_motion_value value = drive(bodies, joint->along_motion[k], end);
-            state->x[k] = bodies->origin[index][k] + value.position;
-            state->v[k] = value.velocity;
+            state->x[k] = bodies->origin[index][k] + bodies->moved[joint->along_motion[k]].position;
+            state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
-            state->v[k] += inertia->inverse_mass[k] * record->f[k] + step * gravity[k];
+            state->v[k] =
+                settle(state->v[k] + (bodies->inertia[index].inverse_mass[k] * record->f[k] + step * gravity[k]));
             state->x[k] = record->x[k] + 0.5 * step * state->v[k];
         }
     }
-    if (joint->turn == SCREE_DRIVEN) angle = drive(bodies, joint->turn_motion, end).position;
-    if (joint->turn == SCREE_FREE)
-        for (int k = 0; k < 3; k++) state->l[k] += record->t[k];
-    quat_store(rotate(attitude, inertia, joint, attitude->ahead, vec_from(state->l), 0.5 * step, 1, angle),
-               attitude->q);
+    advance_turn(bodies, index, step);
 }
 
 void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
+    drive_to(bodies, time + step);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL)
             advance_ball(&bodies->record[k], &bodies->state[k], &bodies->inertia[k], step, gravity);
         else if (bodies->class[k] == SCREE_CLASS_GENERAL)
-            advance_general(bodies, k, time, step, gravity);
+            advance_general(bodies, k, step, gravity);
     }
 }
 
@@ -232,7 +256,8 @@ struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, doubl
     if (bodies->slot[index] < 0) return vec_scale(inertia->inverse_moments[0], l);
     const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
     struct mat frame = quat_to_mat(quat_from(attitude->q));
-    double rate = joint->turn == SCREE_DRIVEN ? drive(bodies, joint->turn_motion, time).velocity : 0.0;
+    double rate = 0.0;
+    if (joint->turn == SCREE_DRIVEN) rate = scree_motion_at(&bodies->motion[joint->turn_motion], time).velocity;
     return spin_at(attitude, inertia, joint, &frame, l, rate);
 }
 
@@ -250,18 +275,18 @@ void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struc
 }
 
 void scree_bodies_start(struct scree_bodies *bodies, double time) {
+    drive_to(bodies, time);
     for (int k = 0; k < bodies->count; k++) {
         const scree_joint *joint = &bodies->joint[k];
         for (int axis = 0; axis < 3; axis++) {
             if (joint->along[axis] != SCREE_DRIVEN) continue;
-            struct scree_motion_value value = drive(bodies, joint->along_motion[axis], time);
-            bodies->state[k].x[axis] = bodies->origin[k][axis] + value.position;
-            bodies->state[k].v[axis] = value.velocity;
+            bodies->state[k].x[axis] = bodies->origin[k][axis] + bodies->moved[joint->along_motion[axis]].position;
+            bodies->state[k].v[axis] = bodies->moved[joint->along_motion[axis]].velocity;
         }
         if (joint->turn != SCREE_DRIVEN) continue;
         struct scree_attitude *attitude = &bodies->attitude[bodies->slot[k]];
-        double angle = drive(bodies, joint->turn_motion, time).position;
-        quat_store(quat_multiply(turn_about(vec_from(attitude->axis), angle), quat_from(attitude->start)), attitude->q);
+        struct quat turned = turn_about(vec_from(attitude->axis), bodies->moved[joint->turn_motion].position);
+        quat_store(quat_multiply(turned, quat_from(attitude->start)), attitude->q);
     }
     scree_bodies_look_now(bodies, time, bodies);
 }

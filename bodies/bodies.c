@@ -18,9 +18,11 @@ static void *aligned_zeroed(size_t count, size_t size) {
     return memory;
 }
 
-scree_status scree_bodies_create(struct scree_bodies *bodies, int count, scree_trouble *trouble) {
+scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct scree_motion *motion, int motions,
+                                 scree_trouble *trouble) {
     size_t n = (size_t)count;
-    *bodies = (struct scree_bodies){.count = count};
+    *bodies = (struct scree_bodies){.count = count, .motion = motion, .motions = motions};
+    bodies->moved = aligned_zeroed((size_t)motions, sizeof *bodies->moved);
     bodies->record = aligned_zeroed(n, sizeof *bodies->record);
     bodies->state = aligned_zeroed(n, sizeof *bodies->state);
     bodies->inertia = aligned_zeroed(n, sizeof *bodies->inertia);
@@ -32,7 +34,7 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, scree_t
     bodies->slot = aligned_zeroed(n, sizeof *bodies->slot);
     bodies->name = aligned_zeroed(n, sizeof *bodies->name);
     if (bodies->record && bodies->state && bodies->inertia && bodies->class && bodies->shape && bodies->joint &&
-        bodies->material && bodies->origin && bodies->slot && bodies->name)
+        bodies->material && bodies->origin && bodies->slot && bodies->name && bodies->moved)
         return SCREE_OK;
     scree_bodies_destroy(bodies);
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d bodies", count);
@@ -53,6 +55,7 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     free(bodies->attitude);
     free(bodies->corner);
     free(bodies->motion);
+    free(bodies->moved);
     free(bodies->name);
     *bodies = (struct scree_bodies){0};
 }

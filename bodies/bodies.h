@@ -74,11 +74,13 @@ struct scree_bodies {
     double (*corner)[4]; /* row 0 is zero (a sphere's ball); row 1 + 8 slot + c: corner c from the centre, world axes */
     struct scree_motion *motion; /* owned; joints refer to them by index */
     int motions;
-    char **name; /* owned */
+    struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
+    char **name;                      /* owned */
 };
 
-/* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. */
-scree_status scree_bodies_create(struct scree_bodies *bodies, int count, scree_trouble *trouble);
+/* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. Takes over `motions` motions. */
+scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct scree_motion *motion, int motions,
+                                 scree_trouble *trouble);
 void scree_bodies_destroy(struct scree_bodies *bodies);
 
 /* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. */

@@ -8,7 +8,8 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
     int capacity = contacts->rules * SCREE_GEOMETRIES;
     contacts->batch = calloc((size_t)capacity + 1, sizeof *contacts->batch);
     contacts->batch_of = malloc(((size_t)capacity + 1) * sizeof *contacts->batch_of);
-    if (!contacts->batch || !contacts->batch_of) return SCREE_NO_MEMORY;
+    contacts->busy = malloc(((size_t)capacity + 1) * sizeof *contacts->busy);
+    if (!contacts->batch || !contacts->batch_of || !contacts->busy) return SCREE_NO_MEMORY;
     for (int rule = 0; rule < contacts->rules; rule++) {
         contacts->rule[rule] = rules[rule];
         int friction = rules[rule].friction;
@@ -64,6 +65,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     free(contacts->rule_of);
     free(contacts->batch);
     free(contacts->batch_of);
+    free(contacts->busy);
     free(contacts->pair);
     free(contacts->order);
     *contacts = (struct scree_contacts){0};

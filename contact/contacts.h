@@ -65,6 +65,8 @@ struct scree_contacts {
     int batches;
     struct scree_batch *batch;
     int *batch_of; /* [rules x SCREE_GEOMETRIES]: index of the batch */
+    int *busy;     /* indices of the batches that hold contacts, in order */
+    int busy_batches;
 
     int pairs, pair_capacity;
     struct scree_body_pair *pair;

@@ -188,8 +188,10 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
         for (int k = 0; k < contacts->batches; k++) take_back(&contacts->batch[k]);
         return status;
     }
+    contacts->busy_batches = 0;
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
+        if (batch->count) contacts->busy[contacts->busy_batches++] = k;
         sort(batch);
         if (batch->memory) carry_memory_over(batch);
         set_pair_constants(contacts, bodies, batch);

@@ -287,8 +287,8 @@ static void act_blocks(struct scree_contacts *contacts, struct scree_bodies *bod
 }
 
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
-    for (int k = 0; k < contacts->batches; k++) {
-        const struct scree_batch *batch = &contacts->batch[k];
+    for (int k = 0; k < contacts->busy_batches; k++) {
+        const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
         act_blocks(contacts, bodies, batch, blocks, step, threads);
         for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);

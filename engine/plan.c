@@ -220,11 +220,9 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
 
 static scree_status make_bodies(struct scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
-    scree_status status = scree_bodies_create(bodies, scene->defs, &scene->trouble);
+    scree_status status = scree_bodies_create(bodies, scene->defs, scene->motion, scene->motions, &scene->trouble);
+    scene->motion = NULL; /* handed over */
     if (status) return status;
-    bodies->motion = scene->motion;
-    bodies->motions = scene->motions;
-    scene->motion = NULL;
     for (int k = 0; k < scene->defs; k++) {
         scree_bodies_set(bodies, k, &scene->def[k], scene->material[scene->def[k].material].density);
         bodies->name[k] = strdup(scene->def[k].name);

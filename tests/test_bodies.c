@@ -242,7 +242,7 @@ static const double no_gravity[3] = {0.0, 0.0, 0.0};
 static struct scree_bodies make_one(const scree_body_def *def, double density) {
     struct scree_bodies bodies;
     scree_trouble trouble;
-    CHECK(scree_bodies_create(&bodies, 1, &trouble) == SCREE_OK);
+    CHECK(scree_bodies_create(&bodies, 1, NULL, 0, &trouble) == SCREE_OK);
     scree_bodies_set(&bodies, 0, def, density);
     CHECK(scree_bodies_finish(&bodies, def, &trouble) == SCREE_OK);
     scree_bodies_start(&bodies, 0.0);
@@ -341,16 +341,13 @@ static void test_joints(void) {
                                        .along_motion = {0, 0, 0},
                                        .turn_motion = 1,
                                        .axis = {0.0, 0.0, 1.0}}};
-    bodies = make_one(&(scree_body_def){.shape = driven.shape}, 1.0);
-    scree_bodies_destroy(&bodies);
     scree_trouble trouble;
-    CHECK(scree_bodies_create(&bodies, 1, &trouble) == SCREE_OK);
-    bodies.motion = calloc(2, sizeof *bodies.motion);
-    bodies.motions = 2;
+    struct scree_motion *motions = calloc(2, sizeof *motions);
     scree_motion_def rise = {.kind = SCREE_MOTION_RISE, .duration = 1.0, .stroke = 0.5};
     scree_motion_def turn = {.kind = SCREE_MOTION_VELOCITY, .velocity = 2.0};
-    CHECK(scree_motion_bake(&rise, &bodies.motion[0], &trouble) == SCREE_OK);
-    CHECK(scree_motion_bake(&turn, &bodies.motion[1], &trouble) == SCREE_OK);
+    CHECK(scree_motion_bake(&rise, &motions[0], &trouble) == SCREE_OK);
+    CHECK(scree_motion_bake(&turn, &motions[1], &trouble) == SCREE_OK);
+    CHECK(scree_bodies_create(&bodies, 1, motions, 2, &trouble) == SCREE_OK);
     scree_bodies_set(&bodies, 0, &driven, 0.0);
     CHECK(scree_bodies_finish(&bodies, &driven, &trouble) == SCREE_OK);
     scree_bodies_start(&bodies, 0.0);

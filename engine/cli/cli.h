@@ -12,6 +12,9 @@ int cli_check(int count, char **words);
 int cli_reproduce(int count, char **words);
 int cli_laws(int count, char **words);
 
+/* Name that messages begin with; "scree" unless a program changes it. */
+extern const char *cli_program;
+
 /* An option of a subcommand. `value` receives the word after it (or after "="), `flag` is set to 1; one of the two is
  * NULL. An option that may be given several times has `list` and `list_count` instead. */
 struct cli_option {
@@ -26,7 +29,7 @@ struct cli_option {
  * how many. Returns EXIT_GOOD, or EXIT_USAGE after a message; -1 if the help was asked for (and printed). */
 int cli_parse(int *count, char **words, const struct cli_option *options, const char *help);
 
-/* Print "scree: text" on standard error and return EXIT_USAGE. */
+/* Print "scree: text" (or the name in cli_program) on standard error and return EXIT_USAGE. */
 SCREE_PRINTF(1, 2) int cli_complain(const char *format, ...);
 
 /* The exit code that goes with a status. */

@@ -1,0 +1,98 @@
+/* scree-bench: finds the benchmark and hands over; and what the benchmarks share. */
+#include "bench/bench.h"
+
+#include "engine/cli/cli.h"
+#include "engine/scene_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const char help[] =
+    "scree-bench: benchmarks of scree\n"
+    "\n"
+    "usage: scree-bench BENCHMARK [OPTION …]\n"
+    "\n"
+    "  process   time of a step in small scenes: a box on a plane, the process model; and where it goes\n"
+    "  impact    error of the restitution against the step, for each normal law with a closed form\n"
+    "\n"
+    "Results are CSV on standard output. `scree-bench BENCHMARK --help` tells more.\n";
+
+static const struct {
+    const char *name;
+    int (*run)(int count, char **words);
+} benchmarks[] = {{"process", bench_process}, {"impact", bench_impact}};
+
+enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
+
+int main(int count, char **words) {
+    cli_program = "scree-bench";
+    if (count < 2 || strcmp(words[1], "--help") == 0) {
+        fputs(help, count < 2 ? stderr : stdout);
+        return count < 2 ? EXIT_USAGE : EXIT_GOOD;
+    }
+    const char *names[BENCHMARKS + 1] = {0};
+    for (int k = 0; k < BENCHMARKS; k++) {
+        names[k] = benchmarks[k].name;
+        if (strcmp(words[1], names[k]) == 0) return benchmarks[k].run(count - 2, words + 2);
+    }
+    return cli_complain("there is no benchmark \"%s\"%s", words[1], scree_hint(words[1], names).text);
+}
+
+double bench_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double bench_median(double *values, int count) {
+    qsort(values, (size_t)count, sizeof *values, compare);
+    return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
+}
+
+static void give_up(const char *reason) {
+    cli_complain("%s", reason);
+    exit(EXIT_MISSED);
+}
+
+scree_scene *bench_scene(const char *file, const char *const *changes, int count) {
+    char path[1024];
+    scree_scene *scene = NULL;
+    struct scree_run_request request;
+    scree_trouble trouble;
+    snprintf(path, sizeof path, "%s/scenes/%s", SCREE_SOURCE_DATA, file);
+    if (scree_load_scene(path, changes, count, 1, &scene, &request, &trouble)) give_up(trouble.text);
+    scree_free_request(&request);
+    return scene;
+}
+
+scree_scene *bench_scene_text(const char *text, const char *const *changes, int count) {
+    scree_scene *scene = NULL;
+    struct scree_run_request request;
+    scree_trouble trouble;
+    if (scree_read_scene(text, strlen(text), "scene", changes, count, 1, &scene, &request, &trouble))
+        give_up(trouble.text);
+    scree_free_request(&request);
+    return scene;
+}
+
+void bench_step(scree_scene *scene, long steps) {
+    if (scree_scene_step(scene, steps)) give_up(scree_scene_trouble(scene)->text);
+}
+
+void bench_describe_machine(void) {
+    char line[256];
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    printf("# scree %s, compiler %s, flags %s\n", SCREE_VERSION, SCREE_COMPILER, SCREE_FLAGS);
+    while (file && fgets(line, sizeof line, file)) {
+        if (strncmp(line, "model name", 10) != 0) continue;
+        printf("# processor%s", strchr(line, ':'));
+        break;
+    }
+    if (file) fclose(file);
+}

@@ -1,0 +1,28 @@
+/* What the benchmarks share: scenes from the data folder, clocks, medians, and the subcommands themselves. */
+#ifndef SCREE_BENCH_BENCH_H
+#define SCREE_BENCH_BENCH_H
+
+#include "engine/scene.h"
+
+int bench_process(int count, char **words);
+int bench_impact(int count, char **words);
+
+/* Seconds on a clock that only runs forward. */
+double bench_now(void);
+
+/* Median of `count` values, which are put in order. */
+double bench_median(double *values, int count);
+
+/* A scene file of the data folder, changed and baked; prints the reason and ends the program if it isn't valid. */
+scree_scene *bench_scene(const char *file, const char *const *changes, int count);
+
+/* The same from TOML text. */
+scree_scene *bench_scene_text(const char *text, const char *const *changes, int count);
+
+/* Step; prints the reason and ends the program if the simulation stops. */
+void bench_step(scree_scene *scene, long steps);
+
+/* Print compiler, flags and processor, as comment lines of a CSV file. */
+void bench_describe_machine(void);
+
+#endif
