@@ -71,12 +71,10 @@ static void expect(int law, struct meeting *meeting) {
 static scree_status run_meeting(scree_scene *scene, struct meeting *meeting, int friction) {
     int product = scree_scene_find_body(scene, "product"), first_tine = scree_scene_find_body(scene, "left tine");
     for (long n = 0; n < 10000000; n++) {
+        int tines = 0;
         scree_status status = scree_scene_step(scene, 1);
-        scree_contact_state contact[16];
-        int count = 0, tines = 0;
-        if (!status) status = scree_scene_contacts(scene, contact, 16, &count);
+        if (!status) status = figures_contacts_from(scene, first_tine, &tines);
         if (status) return status;
-        for (int k = 0; k < count && k < 16; k++) tines += contact[k].host >= first_tine;
         if (tines) continue;
         scree_body_state state = scree_scene_body(scene, product), tine = scree_scene_body(scene, first_tine);
         double apart = (state.position[0] - tine.position[0] - 0.03) / (state.velocity[0] - tine.velocity[0]);

@@ -39,12 +39,10 @@ struct slide {
 static scree_status pass_impact(scree_scene *scene) {
     int met = 0, first_tine = scree_scene_find_body(scene, "left tine");
     for (long n = 0; n < 100000000; n++) {
+        int tines = 0;
         scree_status status = scree_scene_step(scene, 1);
-        scree_contact_state contact[16];
-        int count = 0, tines = 0;
-        if (!status) status = scree_scene_contacts(scene, contact, 16, &count);
+        if (!status) status = figures_contacts_from(scene, first_tine, &tines);
         if (status) return status;
-        for (int k = 0; k < count && k < 16; k++) tines += contact[k].host >= first_tine;
         met |= tines > 0;
         if (met && !tines) return SCREE_OK;
     }

@@ -36,6 +36,15 @@ scree_scene *figures_scene(const struct figures *figures, const char *file, cons
     return scene;
 }
 
+scree_status figures_contacts_from(scree_scene *scene, int first, int *count) {
+    scree_contact_state contact[32];
+    int all = 0;
+    scree_status status = scree_scene_contacts(scene, contact, 32, &all);
+    *count = 0;
+    for (int k = 0; !status && k < all && k < 32; k++) *count += contact[k].host >= first;
+    return status;
+}
+
 static char *file_name(const struct figures *figures, const char *name, const char *ending) {
     size_t size = strlen(figures->folder) + strlen(name) + strlen(ending) + 2;
     char *path = malloc(size);

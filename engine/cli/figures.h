@@ -36,6 +36,9 @@ void figures_report(struct figures *figures, const char *figure, const char *qua
 scree_scene *figures_scene(const struct figures *figures, const char *file, const char *const *assignments, int count,
                            scree_trouble *trouble);
 
+/* How many contacts of the product are with bodies from index `first` on (the tines come last in the scenes). */
+scree_status figures_contacts_from(scree_scene *scene, int first, int *count);
+
 /* Open NAME.csv with a header line. */
 scree_status figures_table(struct figures *figures, const char *name, const char *header, struct scree_out *out);
 
