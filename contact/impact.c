@@ -8,7 +8,7 @@ struct pair {
     const struct scree_normal_law *law;
     const struct scree_law_constants *constants;
     struct scree_pair_constants of_pair;
-    double mass, external;
+    double mass, friction;
     int approaching; /* the branch of a law that tells approach from parting */
 };
 
@@ -24,7 +24,7 @@ static double force_on(const struct pair *pair, struct motion at) {
 }
 
 static struct motion rate(const struct pair *pair, struct motion at) {
-    return (struct motion){at.closing, (pair->external - force_on(pair, at)) / pair->mass};
+    return (struct motion){at.closing, (pair->friction - force_on(pair, at)) / pair->mass};
 }
 
 static struct motion ahead(struct motion at, double h, struct motion rate) {
@@ -72,12 +72,27 @@ static double step_length(const struct pair *pair, struct motion at, double spri
     return fmin(spring, pair->mass / (damping + 1e-300)) / 4000.0;
 }
 
+/* Overlap up to which friction holds the bodies. */
+static double held_overlap(const struct pair *pair, double speed) {
+    double low = 0.0, high = 1e-12;
+    if (force_on(pair, (struct motion){0.0, speed}) >= pair->friction) return 0.0;
+    while (force_on(pair, (struct motion){high, speed}) < pair->friction) high *= 2.0;
+    for (int k = 0; k < 60; k++) {
+        double middle = 0.5 * (low + high);
+        if (force_on(pair, (struct motion){middle, speed}) < pair->friction)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}
+
 struct scree_impact scree_impact(const struct scree_normal_law *law, const struct scree_law_constants *constants,
-                                 struct scree_pair_constants of_pair, double mass, double speed, double external,
+                                 struct scree_pair_constants of_pair, double mass, double speed, double friction,
                                  scree_impact_watch *watch, void *context) {
-    struct pair pair = {law, constants, of_pair, mass, external, 1};
-    struct motion at = {0.0, speed};
-    struct scree_impact result = {.force = force_on(&pair, at)};
+    struct pair pair = {law, constants, of_pair, mass, friction, 1};
+    struct motion at = {held_overlap(&pair, speed), speed};
+    struct scree_impact result = {.duration = at.overlap / speed, .force = force_on(&pair, at)};
     double spring = spring_time(&pair, speed);
     for (long k = 0; k < 4000000; k++) {
         double h = step_length(&pair, at, spring);

@@ -16,11 +16,11 @@ struct scree_impact {
 /* Called after each step of the integration, for force-overlap loops. */
 typedef void scree_impact_watch(void *context, double time, double overlap, double closing, double force);
 
-/* Bodies of effective mass `mass` (kg) meet at `speed` (m/s, > 0). `external` is a constant force that drives them together
- * (N). Error about 1e-12 for laws that are smooth while bodies approach and while they part; the turning point and the end of
+/* Bodies of effective mass `mass` (kg) meet at `speed` (m/s, > 0). `friction` is a constant force (N) that holds them
+ * against being driven apart: they keep their speed until the law's force exceeds it, and from then on it drives them together. Error about 1e-12 for laws that are smooth while bodies approach and while they part; the turning point and the end of
  * the contact are located. `watch` may be NULL. */
 struct scree_impact scree_impact(const struct scree_normal_law *law, const struct scree_law_constants *constants,
-                                 struct scree_pair_constants pair, double mass, double speed, double external,
+                                 struct scree_pair_constants pair, double mass, double speed, double friction,
                                  scree_impact_watch *watch, void *context);
 
 #endif

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-static const double mass = 0.03, gravity = 9.81, mu_k = 0.3; /* of data/scenes/restitution.toml */
+static const double mass = 0.03, gravity = 9.81, mu_k = 0.3, threshold = 5e-5; /* of data/scenes/restitution.toml */
 
-enum { SPEEDS = 20, LAWS = 6 };
+enum { SPEEDS = 20, LAWS = 7 };
 
 static const struct {
     const char *name, *label;
@@ -29,6 +29,10 @@ static const struct {
     {"linear-loading",
      "linear-loading, e = 0.5, floor friction",
      {"linear-loading", 2, {{"stiffness", 1e5}, {"restitution", 0.5}}},
+     1},
+    {"hunt-crossley",
+     "hunt-crossley, c = 0.5 s/m, floor friction",
+     {"hunt-crossley", 3, {{"stiffness", 1e7}, {"exponent", 1.5}, {"factor", 0.5}}},
      1},
 };
 
@@ -55,10 +59,9 @@ static void expect(int law, struct meeting *meeting) {
     if (meeting->status) return;
     const struct scree_normal_law *normal = scree_normal_laws[rule.normal];
     struct scree_pair_constants pair = normal->pair(&rule.normal_constants, mass, 0.0);
-    /* Friction of the floor holds the product back, so it presses it against the comb. */
-    double external = laws[law].friction ? mu_k * mass * gravity : 0.0;
+    double friction = laws[law].friction ? mu_k * mass * gravity : 0.0;
     struct scree_impact impact =
-        scree_impact(normal, &rule.normal_constants, pair, mass, meeting->speed, external, NULL, NULL);
+        scree_impact(normal, &rule.normal_constants, pair, mass, meeting->speed, friction, NULL, NULL);
     meeting->expected = (1.0 + impact.restitution) * meeting->speed;
     meeting->constant = NAN;
     if (normal->restitution)
@@ -145,10 +148,18 @@ static const char script[] =
     "     '' index 3 using 2:4 with points ls 4 title 'simulated'\n"
     "unset title\nset xlabel 'collision velocity (m/s)'\nset ylabel 'relative error'\n"
     "set logscale y\nset format y '10^{%T}'\nset yrange [1e-9:1e-1]\nset key top right maxrows 3\n"
-    "plot for [k=0:5] 'fig_13.csv' index k using 2:5 with linespoints ls k+1 title word('linear-loading "
+    "plot for [k=0:6] 'fig_13.csv' index k using 2:5 with linespoints ls k+1 title word('linear-loading "
     "linear linear-cut "
-    "Hunt-Crossley blend with-friction', k+1)\n"
+    "Hunt-Crossley blend with-friction HC-with-friction', k+1)\n"
     "unset multiplot\n";
+
+/* Second order: about 2.5 (step/contact time)^2 = 2.5 (1e-6 s/1.5e-3 s)^2 = 1e-6, measured by scree-bench; ten times that. Where
+ * the comb's force grows from zero and friction has to be overcome first, the product creeps before it slides, at up to the
+ * threshold of the friction law. */
+static double bound_at(int law, double speed) {
+    int creeps = laws[law].friction && strcmp(laws[law].name, "hunt-crossley") == 0;
+    return 1e-5 + (creeps ? threshold / speed : 0.0);
+}
 
 scree_status figure_13(struct figures *figures) {
     static struct meeting meetings[LAWS][SPEEDS];
@@ -165,10 +176,9 @@ scree_status figure_13(struct figures *figures) {
         }
         const struct meeting *m = &meetings[law][9];
         snprintf(quantity, sizeof quantity, "v_P at 1 m/s, %s (m/s)", laws[law].label);
-        /* Second order: about 2.5 (step/contact time)^2 = 2.5 (1e-6 s/1.5e-3 s)^2 = 1e-6, measured by scree-bench. */
-        figures_report(figures, "13", quantity, m->expected, m->simulated, 1e-5);
+        figures_report(figures, "13", quantity, m->expected, m->simulated, bound_at(law, m->expected));
         snprintf(quantity, sizeof quantity, "largest error, 0.1 to 2 m/s, %s", laws[law].label);
-        figures_report(figures, "13", quantity, 0.0, worst, 1e-5);
+        figures_report(figures, "13", quantity, 0.0, worst, bound_at(law, meetings[law][0].expected));
         if (agree > 0.0) {
             snprintf(quantity, sizeof quantity, "closed form against integration, %s", laws[law].name);
             figures_report(figures, "13", quantity, 0.0, agree, 1e-10);

@@ -96,6 +96,7 @@ scree_status figures_plot(struct figures *figures, const char *name, const char 
                 "set style line 4 lc rgb '#208040' lw 2 dt 3 pt 8\n"
                 "set style line 5 lc rgb '#a06000' lw 2 dt 5 pt 10\n"
                 "set style line 6 lc rgb '#704090' lw 2 dt 6 pt 12\n"
+                "set style line 7 lc rgb '#707070' lw 2 dt 7 pt 1\n"
                 "%s",
                 name, name, name, script);
         status = scree_out_keep(&out, &figures->trouble);

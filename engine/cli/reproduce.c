@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char help[] =
@@ -99,11 +100,16 @@ int cli_reproduce(int count, char **words) {
     int thread_count = threads ? cli_whole_number(threads, "--threads", 1024) : processors > 0 ? (int)processors : 1;
     if (!thread_count) return EXIT_USAGE;
     struct figures figures = {.folder = folder, .data = data ? data : find_data(), .plots = 1, .threads = thread_count};
+    struct timespec begin, end;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
     scree_status status = make_figures(&figures, wanted);
+    clock_gettime(CLOCK_MONOTONIC, &end);
     if (status) {
         cli_complain("%s", figures.trouble.text);
         return cli_exit_code(status);
     }
-    printf("%d of %d bounds met; written to %s\n", figures.rows - figures.missed, figures.rows, folder);
+    double seconds = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+    printf("%d of %d bounds met, in %.1f s; written to %s\n", figures.rows - figures.missed, figures.rows, seconds,
+           folder);
     return figures.missed ? EXIT_MISSED : EXIT_GOOD;
 }
