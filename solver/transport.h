@@ -1,0 +1,143 @@
+/* Planning the new motion of a comb: it pushes a product, brakes away from it on purpose, lets it slide, and catches it with its
+ * front tines without impact. Events: 0 start (rest), 1 end of push, 2 velocity minimum of the comb, 3 catch, 4 rest.
+ *
+ * Everything is stated in the frame of the surfaces, x = 0 where comb and product start. The comb's stroke is the transport distance
+ * less the play; the product slides under Coulomb friction. Troll et al., Adv. Mech. Eng. (2018), doi 10.1177/1687814018754953. */
+#ifndef SCREE_SOLVER_TRANSPORT_H
+#define SCREE_SOLVER_TRANSPORT_H
+
+#include "solver/lm.h"
+#include "solver/profile.h"
+
+/* The task. SI units. */
+typedef struct scree_transport {
+    double distance;     /* transport distance s_P of the product, m */
+    double gap;          /* clear distance G between rear and front tines, m */
+    double width;        /* of the product along x, m; less than the gap */
+    double friction;     /* kinetic coefficient mu_k between product and surface */
+    double gravity;      /* m/s^2 */
+    double share;        /* r: part of the cycle that is used for transport, 0 … 1 */
+    double fractions[3]; /* times of events 1, 2, 3 in parts of the transport time, increasing, inside 0 … 1 */
+    double largest_acceleration, largest_jerk; /* of the drive; 0: no limit */
+} scree_transport;
+
+/* Play: how far the product can move between the tines. */
+static inline double scree_transport_play(const scree_transport *t) { return t->gap - t->width; }
+
+/* Transport time at n cycles a minute, s. */
+static inline double scree_transport_time(const scree_transport *t, double cycles) { return 60.0 * t->share / cycles; }
+
+enum scree_plan_state {
+    SCREE_PLAN_GOOD = 0,
+    SCREE_PLAN_BAD_TASK, /* numbers that make no sense: which, the text says */
+    SCREE_PLAN_NO_DETACHMENT, /* the comb never brakes harder than friction: too slow an operating speed for these time shares */
+    SCREE_PLAN_EARLY_DETACHMENT, /* the comb brakes harder than friction before event 1 */
+    SCREE_PLAN_EARLY_CONTACT,    /* the product meets a tine again before event 3 */
+    SCREE_PLAN_SECOND_SEPARATION, /* after the catch the comb brakes too softly, well before it rests: the product leaves the front tine */
+    SCREE_PLAN_BACKWARDS,    /* the comb would have to move backwards during the transport */
+    SCREE_PLAN_ACCELERATION, /* beyond the drive's acceleration */
+    SCREE_PLAN_JERK,         /* beyond the drive's jerk */
+    SCREE_PLAN_NO_SOLUTION,  /* the least-squares solver found none: the text says why */
+    SCREE_PLAN_MODEL_FAILED  /* the process model couldn't be evaluated */
+};
+
+/* A planned motion. */
+typedef struct scree_plan {
+    enum scree_plan_state state;
+    char text[200];                   /* what is wrong, "" if nothing */
+    double cycles, duration;          /* 1/min, s */
+    double time[5];                   /* of the events, s */
+    struct scree_kinematics event[5]; /* of the comb at the events */
+    struct scree_profile profile;     /* of the comb */
+    double detached;                  /* time at which the product leaves the rear tines, s */
+    double detached_velocity;         /* m/s */
+    struct scree_extrema extrema;
+    scree_lm_outcome solver; /* of formulations B and C */
+    int simulations;         /* calls of the process model (C) */
+} scree_plan;
+
+/* How the plan is made.
+ *   A  rigid product, detachment at event 1; linear for given time shares
+ *   B  rigid product, detachment where the comb's deceleration first exceeds friction
+ *   C  process model in the loop: residuals from a simulation up to event 3, front tines off */
+enum scree_formulation { SCREE_PLAN_A, SCREE_PLAN_B, SCREE_PLAN_C };
+
+/* What the process model tells of the catch, at event 3 with the front tines off. */
+typedef struct scree_catch {
+    double clearance;    /* between product and front tines, m; negative: they would overlap */
+    double velocity;     /* of the product, m/s */
+    double acceleration; /* of the product, m/s^2 */
+} scree_catch;
+
+/* The process model: simulate the comb's `profile` up to time `until`. Nonzero: it couldn't. */
+typedef int scree_process(void *context, const struct scree_profile *profile, double until, scree_catch *result);
+
+typedef struct scree_plan_options {
+    enum scree_formulation formulation;
+    scree_process *process; /* C only */
+    void *context;
+    double clearance;    /* C: largest residual clearance, m; 0: 1e-7 */
+    const double *guess; /* v1, v2, v3, a3 to start from (B, C); NULL: A, then B */
+    int iterations;      /* C: most simulations; 0: 60 */
+    int (*callback)(void *context, const scree_lm_progress *progress); /* after each iteration; nonzero stops */
+    void *callback_context;
+} scree_plan_options;
+
+/* Plan for one operating speed. The outcome is in `plan->state`. */
+void scree_plan_make(const scree_transport *transport, double cycles, const scree_plan_options *options,
+                     scree_plan *plan);
+
+/* The comb's profile from the velocities at events 1 to 3 and the accelerations there. */
+struct scree_profile scree_plan_profile(const double time[5], const double v[3], const double a[3]);
+
+/* Admissibility of a plan for a rigid product; sets state and text. */
+void scree_plan_check(const scree_transport *transport, scree_plan *plan);
+
+/* Velocities and accelerations of formulation A (v1, v2, v3; all accelerations follow from friction). 0, or 1 if the task makes
+ * no sense. For quarter shares: v1 = 4 s/(3 T) + mu g T/4, v3 = 4 s/(3 T) - mu g T/4, v2 = 4 (s/3 - play)/T. */
+int scree_plan_rigid(const scree_transport *transport, double cycles, double v[3]);
+
+/* Formulation A as nine equations for nine unknowns (v, a at events 1 to 3; times 1 to 3), by least squares: checks the
+ * closed form and takes other rules for the times. Returns the solver's outcome; the plan receives the profile. */
+scree_lm_outcome scree_plan_nine(const scree_transport *transport, double cycles, scree_plan *plan);
+
+/* What to minimise over the time shares. */
+enum scree_shares_rule { SCREE_LEAST_ACCELERATION, SCREE_LEAST_JERK, SCREE_LEAST_CATCH };
+
+/* Cost of a plan for scree_plan_shares: HUGE_VAL where it isn't admissible. */
+typedef double scree_plan_cost(void *context, const scree_plan *plan);
+
+/* Change transport->fractions so that the cost of the plan is least (simplex search of Nelder & Mead 1965; a local minimum). For
+ * SCREE_LEAST_CATCH `cost` says what the catch costs, by simulation; for the other rules it may be NULL. Returns the plan. */
+void scree_plan_shares(scree_transport *transport, double cycles, const scree_plan_options *options,
+                       enum scree_shares_rule rule, scree_plan_cost *cost, void *context, scree_plan *plan);
+
+/* ---- operating speeds ---- */
+
+/* Profile designed for one speed and scaled to another: clearance at event 3 for a rigid product, m (positive: the product is late);
+ * MODEL: about mu g (L^2 - L_d^2)/2 with L the time between events 1 and 3. By the rigid simulation itself. */
+double scree_scaled_clearance(const scree_transport *transport, const scree_plan *design, double cycles);
+
+/* The product, rigid and free after detachment, under a comb's profile: position error at rest where both tines act as plastic
+ * (`restitution` 0) to elastic (1) stops, and the speed of the first meeting with the front tines (0 if none). */
+typedef struct scree_slide {
+    double error;         /* final position beyond the target, m */
+    double first_contact; /* relative speed at the first meeting with the front tines, m/s */
+    int detached;         /* the product left the rear tines */
+    int impacts;          /* meetings with tines */
+} scree_slide;
+scree_slide scree_slide_simulate(const scree_transport *transport, const struct scree_profile *profile,
+                                 double restitution);
+
+/* Limits of the new motion, cycles a minute. */
+double scree_limit_detachment(const scree_transport *transport, const scree_plan *design); /* a scaled profile: n_det */
+double
+scree_limit_low(const scree_transport *transport); /* a freshly planned one: n_low (formulation A, zero event jerk) */
+double scree_limit_drive(const scree_transport *transport, double low,
+                         double high); /* where the drive's limits are met; HUGE_VAL: none */
+
+/* Range of speeds around the design in which the scaled profile's error stays within `tolerance` (m). */
+void scree_limit_range(const scree_transport *transport, const scree_plan *design, double restitution, double tolerance,
+                       double *least, double *most);
+
+#endif
