@@ -37,11 +37,12 @@ struct scree_yield {
 /* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. */
 struct scree_batch {
     enum scree_geometry geometry;
-    int rule;     /* index of the laws */
-    int memory;   /* doubles kept per contact: 0 or SCREE_MEMORY */
-    int turns;    /* the contacts can turn bodies: friction, or balls off the centre */
-    double slope; /* of the friction law, s/m; 0 if it isn't regularised by velocity */
-    int uniform;  /* one set of pair constants serves all (made for the first block) */
+    int rule;      /* index of the laws */
+    int memory;    /* doubles kept per contact: 0 or SCREE_MEMORY */
+    int turns;     /* all contacts can turn bodies: friction, or a box as partner; else only those of corners */
+    int any_turns; /* some do */
+    double slope;  /* of the friction law, s/m; 0 if it isn't regularised by velocity */
+    int uniform;   /* one set of pair constants serves all (made for the first block) */
     int count, capacity;
     struct scree_contact *contact;
     double (*pair)[SCREE_PAIR_CONSTANTS][SCREE_LANES]; /* per block, or one if uniform */
@@ -132,6 +133,11 @@ double scree_effective_radius(const struct scree_bodies *bodies, int ball, int h
 
 /* How deep the ball of a body can be in a rectangle before the whole body is below it, m. */
 static inline double scree_thickness(const struct scree_record *ball) { return ball->radius + 2.0 * ball->limit; }
+
+/* Whether the contact can turn its bodies. It depends on the contact alone: what else is listed must not change a bit. */
+static inline int scree_contact_turns(const struct scree_batch *batch, const struct scree_contact *contact) {
+    return batch->turns || contact->corner > 0;
+}
 
 /* Pairs of bodies whose bounds come within `skin`, sorted by (i, j). */
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies,

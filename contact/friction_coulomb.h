@@ -1,8 +1,10 @@
 /* Coulomb's law with a state that truly sticks: a tangential spring and dashpot, and a slider that holds up to mu_s and
  * slides at mu_k.
- *   F = -(k_t s + c_t v) while |F| <= mu_s N, then |F| = mu_k N against the slip, and the spring is left at the stretch
- *   that carries that force. Cundall & Strack, Geotechnique 29 (1979) 47, for mu_s = mu_k.
- * The contact holds again when the trial force falls below mu_k N, which happens as soon as the slip turns round. */
+ *   F = -(k_t s + c_t v) while |F| <= mu_s N, then |F| = mu_k N against the slip, and spring and dashpot, side by side
+ *   behind the slider, carry that force: k_t s + c_t s' = -F. Cundall & Strack, Geotechnique 29 (1979) 47, for
+ *   mu_s = mu_k and c_t = 0, where the spring takes the stretch of the force at once.
+ * So slider and dashpot can only take energy out. The contact holds again when the trial force falls below mu_k N, which
+ * happens as soon as the slip turns round. */
 #ifndef SCREE_CONTACT_FRICTION_COULOMB_H
 #define SCREE_CONTACT_FRICTION_COULOMB_H
 
@@ -34,15 +36,19 @@ static inline scree_status friction_coulomb_bake(const struct scree_values *valu
 
 static inline struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
                                                              struct scree_sliding at) {
-    double k = law->c[COULOMB_STIFFNESS];
-    struct vec trial = vec_axpy(vec_scale(-k, at.stretch), -law->c[COULOMB_DAMPING], at.velocity);
+    double k = law->c[COULOMB_STIFFNESS], c = law->c[COULOMB_DAMPING];
+    struct vec middle = vec_axpy(at.stretch, at.half, at.velocity);
+    struct vec trial = vec_axpy(vec_scale(-k, middle), -c, at.velocity);
     double size = vec_norm(trial), kinetic = law->c[COULOMB_KINETIC] * at.normal;
     double holds = at.sliding > 0.0 ? kinetic : law->c[COULOMB_STATIC] * at.normal;
     int slides = size > holds;
     double scale = slides ? kinetic / (size + SCREE_NO_SPEED) : 1.0;
     struct vec force = vec_scale(scale, trial);
-    struct vec held = vec_scale(-1.0 / k, force);
-    struct vec stretch = slides ? held : at.stretch;
+    /* Two implicit half steps of k s + c s' = -F: what the spring keeps of its stretch, and what it takes on. */
+    double lag = c / (c + at.half * k + SCREE_NO_SPEED), keeps = lag * lag;
+    struct vec slid = vec_axpy(vec_scale(keeps, at.stretch), (keeps - 1.0) / k, force);
+    struct vec stuck = vec_axpy(middle, at.half, at.velocity);
+    struct vec stretch = slides ? slid : stuck;
     return (struct scree_tangential){force, stretch, slides ? 1.0 : 0.0};
 }
 

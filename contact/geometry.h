@@ -10,7 +10,7 @@ struct scree_meeting {
     double overlap;
 };
 
-/* Gap that stands for "out of the borders"; a contact with it never touches. */
+/* Gap that stands for "below the plate"; a contact with it never touches. */
 #define SCREE_OUTSIDE (-1e30)
 
 static inline struct scree_meeting scree_meet_ball(struct vec centre, double radius, struct vec other,
@@ -27,36 +27,96 @@ static inline struct scree_meeting scree_meet_plane(struct vec centre, double ra
     return (struct scree_meeting){n, radius - vec_dot(n, vec_sub(centre, origin))};
 }
 
-/* A plane that acts only while the ball's centre is above or in it inside the borders. It has an upper side only: a ball
- * deeper than `thick` is below it and doesn't touch. `beyond` widens the borders. */
-static inline struct scree_meeting scree_meet_rectangle(struct vec centre, double radius, struct vec origin,
-                                                        const struct mat *frame, const double half[3], double thick,
-                                                        double beyond) {
-    struct vec d = vec_sub(centre, origin);
-    double x = vec_dot(frame->column[0], d), y = vec_dot(frame->column[1], d);
-    double overlap = radius - vec_dot(frame->column[2], d);
-    int inside = fabs(x) <= half[0] + beyond && fabs(y) <= half[1] + beyond && overlap <= thick + beyond;
-    return (struct scree_meeting){frame->column[2], inside ? overlap : SCREE_OUTSIDE};
+/* The box that a ball is a corner of, as its partner sees it; a sphere is no box. */
+struct scree_whole {
+    struct vec centre;
+    const struct scree_attitude *box; /* NULL: a sphere */
+};
+
+static inline struct scree_whole scree_whole_of(const struct scree_bodies *bodies, int ball, int corner) {
+    return (struct scree_whole){vec_from(bodies->record[ball].x),
+                                corner ? &bodies->attitude[bodies->slot[ball]] : NULL};
+}
+
+/* A thin plate: inside its borders a plane, at its borders a sharp edge. It has two sides; the ball is on the side of its
+ * body's centre, so that a corner pressed into the plate is still above it. A corner beyond the border, but below the side
+ * that its body is on, meets the border as a wall. A corner deeper than `thick` is below the plate and doesn't touch. Force
+ * and energy are continuous wherever a ball comes from, but for a corner pushed through that wall. */
+static inline struct scree_meeting scree_meet_rectangle(struct vec centre, double radius, struct scree_whole whole,
+                                                        struct vec origin, const struct mat *frame,
+                                                        const double half[3], double thick) {
+    struct vec p = mat_undo(frame, vec_sub(centre, origin));
+    double above = whole.box ? vec_dot(frame->column[2], vec_sub(whole.centre, origin)) : p.z;
+    double side = above < 0.0 ? -1.0 : 1.0, height = side * p.z;
+    struct vec out = vec(p.x - fmin(fmax(p.x, -half[0]), half[0]), p.y - fmin(fmax(p.y, -half[1]), half[1]), 0.0);
+    double beside = vec_norm(out);
+    int below = radius - height > thick;
+    if (below || beside == 0.0)
+        return (struct scree_meeting){vec_scale(side, frame->column[2]), below ? SCREE_OUTSIDE : radius - height};
+    if (height > 0.0) out.z = p.z;
+    double distance = vec_norm(out);
+    return (struct scree_meeting){mat_apply(frame, vec_scale(1.0 / distance, out)), radius - distance};
+}
+
+/* How far two boxes overlap along a direction of one of them: half-lengths `half` there, the other's projected onto it. */
+static inline double scree_box_reach(struct vec direction, const struct scree_attitude *box) {
+    return fabs(vec_dot(direction, box->frame.column[0])) * box->half[0] +
+           fabs(vec_dot(direction, box->frame.column[1])) * box->half[1] +
+           fabs(vec_dot(direction, box->frame.column[2])) * box->half[2];
+}
+
+/* The face through which a ball came in whose centre is in the core of a box: where the whole body of the ball is least
+ * deep. Axis 0 … 2; `side` receives -1 or 1. */
+static inline int scree_face_of(struct scree_whole whole, struct vec origin, const struct mat *frame,
+                                const double half[3], double *side) {
+    double least = HUGE_VAL;
+    int face = 0;
+    for (int k = 0; k < 3; k++) {
+        double along = vec_dot(frame->column[k], vec_sub(whole.centre, origin));
+        double depth = half[k] - fabs(along) + (whole.box ? scree_box_reach(frame->column[k], whole.box) : 0.0);
+        if (!(depth < least)) continue;
+        least = depth;
+        face = k;
+        *side = along < 0.0 ? -1.0 : 1.0;
+    }
+    return face;
 }
 
 /* A box with its core (half-lengths `half`) swept by `rounding`: the nearest point of the core while the centre is outside
- * of it, the nearest face while it is inside. */
-static inline struct scree_meeting scree_meet_box(struct vec centre, double radius, struct vec origin,
-                                                  const struct mat *frame, const double half[3], double rounding) {
+ * of it, the face through which the ball's body came while it is inside. */
+static inline struct scree_meeting scree_meet_box(struct vec centre, double radius, struct scree_whole whole,
+                                                  struct vec origin, const struct mat *frame, const double half[3],
+                                                  double rounding) {
     struct vec p = mat_undo(frame, vec_sub(centre, origin));
     struct vec nearest =
         vec(fmin(fmax(p.x, -half[0]), half[0]), fmin(fmax(p.y, -half[1]), half[1]), fmin(fmax(p.z, -half[2]), half[2]));
     struct vec out = vec_sub(p, nearest);
-    double distance = vec_norm(out);
+    double distance = vec_norm(out), side = 1.0;
     if (distance > 0.0) {
         struct vec n = mat_apply(frame, vec_scale(1.0 / distance, out));
         return (struct scree_meeting){n, radius + rounding - distance};
     }
-    double depth[3] = {half[0] - fabs(p.x), half[1] - fabs(p.y), half[2] - fabs(p.z)};
-    int k = depth[0] <= depth[1] ? 0 : 1;
-    if (depth[2] < depth[k]) k = 2;
-    double side = (k == 0 ? p.x : k == 1 ? p.y : p.z) < 0.0 ? -1.0 : 1.0;
-    return (struct scree_meeting){vec_scale(side, frame->column[k]), radius + rounding + depth[k]};
+    int k = scree_face_of(whole, origin, frame, half, &side);
+    double along = k == 0 ? p.x : k == 1 ? p.y : p.z;
+    return (struct scree_meeting){vec_scale(side, frame->column[k]), radius + rounding + half[k] - side * along};
+}
+
+/* How deep two rounded boxes are in each other: the least of their overlaps along the directions that could separate them
+ * (Gottschalk, Lin & Manocha 1996); 0 where one does. */
+static inline double scree_boxes_depth(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b,
+                                       double roundings) {
+    double least = HUGE_VAL;
+    for (int k = 0; k < 15 && least > 0.0; k++) {
+        struct vec direction = k < 3   ? a->frame.column[k]
+                               : k < 6 ? b->frame.column[k - 3]
+                                       : vec_cross(a->frame.column[(k - 6) / 3], b->frame.column[(k - 6) % 3]);
+        double size = vec_norm(direction);
+        if (size < 1e-6) continue; /* parallel edges: the faces say it all */
+        direction = vec_scale(1.0 / size, direction);
+        double depth = scree_box_reach(direction, a) + scree_box_reach(direction, b) + roundings;
+        least = fmin(least, depth - fabs(vec_dot(direction, apart)));
+    }
+    return fmax(least, 0.0);
 }
 
 #endif

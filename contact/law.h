@@ -75,15 +75,16 @@ struct scree_normal_law {
                           double speed);
 };
 
-/* A contact as a friction law sees it: normal force (>= 0), tangential velocity of the ball against its partner, and
- * the memory, here the tangential stretch at the instant of the velocity, and whether the contact was sliding. */
+/* A contact as a friction law sees it in the middle of a step: normal force (>= 0), tangential velocity of the ball against
+ * its partner, and the memory as it was `half` a step (s) before: the tangential stretch, and whether the contact was
+ * sliding. With half = 0 everything is of one instant. */
 struct scree_sliding {
-    double normal;
+    double normal, half;
     struct vec velocity, stretch;
     double sliding;
 };
 
-/* Force on the ball, and the memory brought into agreement with it. */
+/* Force on the ball in the middle of the step, and the memory at its end. */
 struct scree_tangential {
     struct vec force, stretch;
     double sliding;

@@ -32,39 +32,41 @@ static scree_status grow(struct scree_batch *batch, scree_trouble *trouble) {
     return SCREE_OK;
 }
 
-static scree_status add(struct scree_batch *batch, int ball, int host, int corner, scree_trouble *trouble) {
+static scree_status add(struct scree_batch *batch, const struct scree_contact *contact, scree_trouble *trouble) {
     if (batch->count == batch->capacity) {
         scree_status status = grow(batch, trouble);
         if (status) return status;
     }
-    batch->contact[batch->count++] = (struct scree_contact){ball, host, corner};
+    batch->contact[batch->count++] = *contact;
+    batch->any_turns |= scree_contact_turns(batch, contact);
     return SCREE_OK;
 }
 
 scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_contact *contact, const double *kept,
                                      scree_trouble *trouble) {
     int place = batch->count;
-    scree_status status = add(batch, contact->ball, contact->host, contact->corner, trouble);
+    scree_status status = add(batch, contact, trouble);
     for (int m = 0; !status && m < SCREE_MEMORY; m++)
         batch->kept[place / SCREE_LANES][m][place % SCREE_LANES] = kept[m];
     return status;
 }
 
 /* The gap between a ball and its partner, as far as the list needs it: exact while it is small. */
-static double gap(const struct scree_bodies *bodies, int ball, int host, int corner, double skin) {
-    const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
-    struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[corner])), origin = vec_from(b->x);
-    int slot = bodies->slot[host];
+static double gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
+    const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
+    struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
+    int slot = bodies->slot[contact->host];
     const struct scree_attitude *partner = slot >= 0 ? &bodies->attitude[slot] : NULL;
-    switch (bodies->shape[host].kind) {
+    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
+    switch (bodies->shape[contact->host].kind) {
     case SCREE_PLANE:
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
-        return -scree_meet_rectangle(centre, a->radius, origin, &partner->frame, partner->half, scree_thickness(a),
-                                     skin)
+        return -scree_meet_rectangle(centre, a->radius, whole, origin, &partner->frame, partner->half,
+                                     scree_thickness(a) + skin)
                     .overlap;
     case SCREE_BOX:
-        return -scree_meet_box(centre, a->radius, origin, &partner->frame, partner->half, b->radius).overlap;
+        return -scree_meet_box(centre, a->radius, whole, origin, &partner->frame, partner->half, b->radius).overlap;
     default:
         return -scree_meet_ball(centre, a->radius, origin, b->radius).overlap;
     }
@@ -90,12 +92,26 @@ static scree_status add_balls(struct scree_contacts *contacts, const struct scre
     int box = bodies->shape[ball].kind == SCREE_BOX;
     int first = box ? 1 + 8 * bodies->slot[ball] : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
-        if (!(gap(bodies, ball, host, corner, contacts->skin) <= contacts->skin)) continue;
-        scree_status status = add(batch, ball, host, corner, trouble);
+        struct scree_contact contact = {ball, host, corner};
+        if (!(gap(bodies, &contact, contacts->skin) <= contacts->skin)) continue;
+        scree_status status = add(batch, &contact, trouble);
         if (status) return status;
-        batch->turns |= box || rule->friction >= 0 || bodies->shape[host].kind == SCREE_BOX;
     }
     return SCREE_OK;
+}
+
+/* Corners and faces are what two boxes meet with; where they are deep in each other all the same, edge against edge has gone
+ * unseen, and the run must not go on as if nothing had happened. */
+static void note_depth(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
+    const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
+    struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
+    double depth = scree_boxes_depth(apart, &bodies->attitude[bodies->slot[i]], &bodies->attitude[bodies->slot[j]],
+                                     a->radius + b->radius);
+    double deep = depth / fmin(a->limit, b->limit);
+    if (deep <= contacts->deepest) return;
+    contacts->deepest = deep;
+    contacts->deepest_ball = i;
+    contacts->deepest_host = j;
 }
 
 static scree_status add_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
@@ -105,8 +121,9 @@ static scree_status add_pair(struct scree_contacts *contacts, const struct scree
     if (a == SCREE_SPHERE) return add_balls(contacts, bodies, rule, i, j, trouble);
     if (b == SCREE_SPHERE || a != SCREE_BOX) return add_balls(contacts, bodies, rule, j, i, trouble);
     scree_status status = add_balls(contacts, bodies, rule, i, j, trouble);
-    if (!status && b == SCREE_BOX) status = add_balls(contacts, bodies, rule, j, i, trouble);
-    return status;
+    if (b != SCREE_BOX) return status;
+    note_depth(contacts, bodies, i, j);
+    return status ? status : add_balls(contacts, bodies, rule, j, i, trouble);
 }
 
 static int compare(const struct scree_contact *a, const struct scree_contact *b) {
@@ -169,6 +186,7 @@ static void set_aside(struct scree_batch *batch) {
     batch->old_kept = kept;
     batch->old_count = batch->count;
     batch->count = 0;
+    batch->any_turns = 0;
 }
 
 /* Undo set_aside after a failure, so that the old list stays in force. */
@@ -176,6 +194,7 @@ static void take_back(struct scree_batch *batch) {
     int count = batch->old_count;
     set_aside(batch);
     batch->count = count;
+    batch->any_turns = 1; /* as far as known; costs time only */
 }
 
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble) {

@@ -29,16 +29,18 @@ struct block {
 static int padded(int count) { return (count + 3) & ~3; }
 
 static inline struct scree_meeting meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                                        enum scree_geometry geometry, struct vec centre, double radius,
-                                        double thickness) {
-    const struct scree_record *host = &bodies->record[contact->host];
+                                        enum scree_geometry geometry, struct vec centre) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     struct vec origin = vec_from(host->x);
+    double radius = ball->radius;
     if (geometry == SCREE_BALL_BALL) return scree_meet_ball(centre, radius, origin, host->radius);
     const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[contact->host]];
     if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
+    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
     if (geometry == SCREE_BALL_RECTANGLE)
-        return scree_meet_rectangle(centre, radius, origin, &attitude->frame, attitude->half, thickness, 0.0);
-    return scree_meet_box(centre, radius, origin, &attitude->frame, attitude->half, host->radius);
+        return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
+                                    scree_thickness(ball));
+    return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
 }
 
 static inline void put(double column[3][SCREE_LANES], int lane, struct vec a) {
@@ -57,7 +59,7 @@ static inline void gather_one(const struct scree_bodies *bodies, const struct sc
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     struct vec corner = vec_from(bodies->corner[contact->corner]);
     struct vec centre = vec_add(vec_from(ball->x), corner);
-    struct scree_meeting m = meet(bodies, contact, geometry, centre, ball->radius, scree_thickness(ball));
+    struct scree_meeting m = meet(bodies, contact, geometry, centre);
     /* Both bodies are acted on at one point, the middle of the overlap, so that angular momentum is kept. */
     struct vec arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal);
     struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
@@ -141,8 +143,7 @@ static inline struct vec into_tangent_plane(struct vec stretch, struct vec norma
     return vec_scale(scale, flat);
 }
 
-/* One pass per friction law. The memory belongs to the ends of steps and the velocity to their middle, so the law sees the
- * stretch brought half a step forward, and the other half is added after. */
+/* One pass per friction law. The memory belongs to the ends of steps, the velocity to their middle. */
 #define FRICTION_PASS(word)                                                                                            \
     static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
                                      double(*kept)[SCREE_LANES], double step) {                                        \
@@ -151,17 +152,16 @@ static inline struct vec into_tangent_plane(struct vec stretch, struct vec norma
         _Pragma("omp simd")                                                                                            \
         for (int k = 0; k < padded(count); k++) {                                                                      \
             double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                     \
-            struct scree_sliding at = {.normal = normal, .velocity = get(b->slip, k)};                                 \
+            struct scree_sliding at = {.normal = normal, .half = half, .velocity = get(b->slip, k)};                   \
             if (scree_friction_##word.memory) {                                                                        \
-                struct vec stretch = into_tangent_plane(get(kept, k), get(b->n, k));                                   \
-                at.stretch = vec_axpy(stretch, half, at.velocity);                                                     \
+                at.stretch = into_tangent_plane(get(kept, k), get(b->n, k));                                           \
                 at.sliding = kept[3][k];                                                                               \
             }                                                                                                          \
             struct scree_tangential f = friction_##word##_force(&constants, at);                                       \
             put(b->friction, k, f.force);                                                                              \
             if (scree_friction_##word.memory) {                                                                        \
                 double touching = b->overlap[k] > 0.0 ? 1.0 : 0.0;                                                     \
-                put(kept, k, vec_scale(touching, vec_axpy(f.stretch, half, at.velocity)));                             \
+                put(kept, k, vec_scale(touching, f.stretch));                                                          \
                 kept[3][k] = touching * f.sliding;                                                                     \
             }                                                                                                          \
         }                                                                                                              \
@@ -234,7 +234,7 @@ static void act_block(const struct scree_contacts *contacts, const struct scree_
     if (friction)
         friction_passes[rule->friction](&b, count, &rule->friction_constants, batch->memory ? batch->kept[block] : NULL,
                                         step);
-    write_yield(&b, count, step, friction, batch->turns, batch->slope, &batch->yield[block]);
+    write_yield(&b, count, step, friction, batch->any_turns, batch->slope, &batch->yield[block]);
     if (contacts->measured) measure_losses(&b, count, step, friction, &batch->yield[block]);
 }
 
@@ -264,7 +264,7 @@ static void collect(struct scree_contacts *contacts, struct scree_bodies *bodies
     const struct scree_contact *contact = batch->contact + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
-        add_to_bodies(bodies, &contact[lane], yield, lane, batch->turns);
+        add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));
         note(yield->depth[lane], &contact[lane], &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
         note(yield->steep[lane], &contact[lane], &contacts->steepest, &contacts->steepest_ball,
              &contacts->steepest_host);

@@ -40,7 +40,8 @@ static void test_ball_on_box(void) {
     for (int k = 0; k < 300; k++) {
         struct mat frame = quat_to_mat(random_attitude(&seed));
         struct vec origin = random_vec(&seed, 1.0), p = vec_add(origin, random_vec(&seed, 0.6));
-        struct scree_meeting m = scree_meet_box(p, radius, origin, &frame, half, rounding);
+        struct scree_whole sphere = {p, NULL};
+        struct scree_meeting m = scree_meet_box(p, radius, sphere, origin, &frame, half, rounding);
         struct vec local = mat_undo(&frame, vec_sub(p, origin));
         int inside = fabs(local.x) < half[0] && fabs(local.y) < half[1] && fabs(local.z) < half[2];
         double slow = slow_distance(p, origin, &frame, half), distance = radius + rounding - m.overlap;
@@ -48,7 +49,8 @@ static void test_ball_on_box(void) {
         if (inside) distance = -distance;
         CHECK(distance <= slow + 1e-14 && slow * slow <= distance * distance + cell * cell);
         /* Moving the ball along the normal opens the contact by as much: the normal points away from the box. */
-        struct scree_meeting away = scree_meet_box(vec_axpy(p, 1e-6, m.normal), radius, origin, &frame, half, rounding);
+        sphere.centre = vec_axpy(p, 1e-6, m.normal);
+        struct scree_meeting away = scree_meet_box(sphere.centre, radius, sphere, origin, &frame, half, rounding);
         NEAR(m.overlap - away.overlap, 1e-6, 1e-11);
     }
 }
@@ -62,44 +64,98 @@ static void test_flat_partners(void) {
         struct vec p = vec_add(origin, mat_apply(&frame, local));
         const double half[3] = {0.3, 0.2, 0.0};
         NEAR(scree_meet_plane(p, 0.05, origin, &frame).overlap, 0.05 - local.z, 1e-14);
-        struct scree_meeting m = scree_meet_rectangle(p, 0.05, origin, &frame, half, 0.3, 0.0);
-        int inside = fabs(local.x) <= 0.3 && fabs(local.y) <= 0.2 && local.z >= -0.25;
-        if (inside) NEAR(m.overlap, 0.05 - local.z, 1e-14);
-        if (!inside) CHECK(m.overlap == SCREE_OUTSIDE);
+        /* A sphere meets the nearest point of the plate, from either side. */
+        struct scree_meeting m =
+            scree_meet_rectangle(p, 0.05, (struct scree_whole){p, NULL}, origin, &frame, half, 0.3);
+        struct vec nearest = vec(fmin(fmax(local.x, -0.3), 0.3), fmin(fmax(local.y, -0.2), 0.2), 0.0);
+        double distance = vec_norm(vec_sub(local, nearest));
+        NEAR(m.overlap, 0.05 - distance, 1e-14);
+        struct vec towards = vec_add(origin, mat_apply(&frame, nearest));
+        NEAR(vec_norm(vec_sub(vec_axpy(p, -distance, m.normal), towards)), 0.0, 1e-14);
         struct scree_meeting b = scree_meet_ball(p, 0.05, origin, 0.1);
         NEAR(b.overlap, 0.15 - vec_norm(local), 1e-14);
         NEAR(vec_dot(b.normal, vec_sub(p, origin)), vec_norm(local), 1e-14);
     }
 }
 
+/* A corner is on the side of its box, in a plate and in a box. */
+static void test_corners(void) {
+    struct mat frame = quat_to_mat((struct quat){1.0, 0.0, 0.0, 0.0});
+    struct scree_attitude box = {.frame = frame, .half = {0.05, 0.05, 0.05}};
+    struct scree_whole above = {vec(0.01, 0.0, 0.0499), &box}, below = {vec(0.01, 0.0, -0.0499), &box};
+    const double plate[3] = {0.03, 0.03, 0.0};
+    struct vec zero = vec(0.0, 0.0, 0.0), corner = vec(0.01, 0.01, -1e-4), mirrored = vec(0.01, 0.01, 1e-4);
+    NEAR(scree_meet_rectangle(corner, 0.0, above, zero, &frame, plate, 0.05).overlap, 1e-4, 1e-18);
+    NEAR(scree_meet_rectangle(mirrored, 0.0, below, zero, &frame, plate, 0.05).normal.z, -1.0, 0.0);
+    NEAR(scree_meet_rectangle(mirrored, 0.0, below, zero, &frame, plate, 0.05).overlap, 1e-4, 1e-18);
+    CHECK(scree_meet_rectangle(corner, 0.0, above, zero, &frame, plate, 5e-5).overlap == SCREE_OUTSIDE);
+    /* Beyond the border and below the side of its box: a wall. */
+    struct scree_meeting wall = scree_meet_rectangle(vec(0.0305, 0.0, -1e-3), 1e-3, above, zero, &frame, plate, 0.05);
+    NEAR(wall.overlap, 5e-4, 1e-17);
+    CHECK(wall.normal.x == 1.0);
+    /* Equal cubes, one above the other: the corner is in an edge of the lower one, and yet came from above. */
+    const double cube[3] = {0.05, 0.05, 0.05};
+    struct scree_whole upper = {vec(0.0, 0.0, 0.0999), &box};
+    struct scree_meeting m = scree_meet_box(vec(0.05, 0.05, 0.0499), 0.0, upper, zero, &frame, cube, 0.0);
+    CHECK(m.normal.z == 1.0);
+    NEAR(m.overlap, 1e-4, 1e-16);
+}
+
+/* Depth of two boxes against a search: the shortest way that takes them apart, tried in many directions. */
+static void test_boxes_depth(void) {
+    uint64_t seed = 9;
+    for (int k = 0; k < 200; k++) {
+        struct scree_attitude a = {.frame = quat_to_mat(random_attitude(&seed)), .half = {0.3, 0.2, 0.1}};
+        struct scree_attitude b = {.frame = quat_to_mat(random_attitude(&seed)), .half = {0.1, 0.15, 0.25}};
+        struct vec apart = random_vec(&seed, 0.4);
+        double depth = scree_boxes_depth(apart, &a, &b, 0.0), least = HUGE_VAL;
+        for (int trial = 0; trial < 20000; trial++) {
+            struct vec n = vec_sub(random_vec(&seed, 1.0), random_vec(&seed, 1.0));
+            n = vec_scale(1.0 / vec_norm(n), n);
+            least = fmin(least, scree_box_reach(n, &a) + scree_box_reach(n, &b) - fabs(vec_dot(n, apart)));
+        }
+        /* Nearest of 20000 directions: within some 2 degrees, 1e-2 of boxes' 0.7 m across. */
+        CHECK(depth <= fmax(least, 0.0) + 1e-14 && depth >= least - 0.015);
+    }
+}
+
 /* ---- a crowd: spheres and boxes thrown into a room ---- */
 
+/* Bricks pass through each other: in a heap their edges would meet, which stops a run. */
+#define BETWEEN_STUFF(what)                                                                                            \
+    "[[contact]]\nbetween = [\"stuff\", \"" what "\"]\n"                                                               \
+    "normal = { law = \"linear-cut\", stiffness = 2e4, restitution = 0.6 }\n"                                          \
+    "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 1.5e4, damping = 0.5 }\n"
+#define ON_WALL(what)                                                                                                  \
+    "[[contact]]\nbetween = [\"" what "\", \"wall\"]\n"                                                                \
+    "normal = { law = \"linear-loading\", stiffness = 2e4, restitution = 0.5 }\n"                                      \
+    "friction = { law = \"stick-slip\", static = 0.5, kinetic = 0.4, threshold = 0.05 }\n"
 static const char crowd_head[] =
     "gravity = [0, 0, -9.81]\n"
     "[time]\nend = 1.0\nstep = 2e-5\n"
     "[[material]]\nname = \"stuff\"\ndensity = 2000\n"
-    "[[material]]\nname = \"wall\"\n"
-    "[[contact]]\nbetween = [\"stuff\", \"stuff\"]\n"
-    "normal = { law = \"linear-cut\", stiffness = 2e4, restitution = 0.6 }\n"
-    "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 1.5e4, damping = 0.5 }\n"
-    "[[contact]]\nbetween = [\"stuff\", \"wall\"]\n"
-    "normal = { law = \"linear-loading\", stiffness = 2e4, restitution = 0.5 }\n"
-    "friction = { law = \"stick-slip\", static = 0.5, kinetic = 0.4, threshold = 0.05 }\n"
-    "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
-    "[[body]]\nname = \"west\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [-0.08, "
-    "0, 0]\n"
-    "orientation = { axis = [0, 1, 0], degrees = 90 }\n"
-    "[[body]]\nname = \"east\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [0.08, 0, "
-    "0]\n"
-    "orientation = { axis = [0, 1, 0], degrees = -90 }\n"
-    "[[body]]\nname = \"south\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [0, "
-    "-0.08, 0]\n"
-    "orientation = { axis = [1, 0, 0], degrees = -90 }\n"
-    "[[body]]\nname = \"north\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\nposition = [0, "
-    "0.08, 0]\n"
-    "orientation = { axis = [1, 0, 0], degrees = 90 }\n"
-    "[[body]]\nname = \"shelf\"\nshape = { rectangle = [0.05, 0.05] }\nmaterial = \"wall\"\njoint = "
-    "\"fixed\"\nposition = [0, 0, 0.001]\n";
+    "[[material]]\nname = \"brick\"\ndensity = 2000\n"
+    "[[material]]\nname = \"wall\"\n" BETWEEN_STUFF("stuff") BETWEEN_STUFF("brick") ON_WALL("stuff") ON_WALL(
+        "brick") "[[contact]]\nbetween = [\"brick\", \"brick\"]\nnone = true\n"
+                 "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
+                 "[[body]]\nname = \"west\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = "
+                 "\"fixed\"\nposition = [-0.08, "
+                 "0, 0]\n"
+                 "orientation = { axis = [0, 1, 0], degrees = 90 }\n"
+                 "[[body]]\nname = \"east\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = "
+                 "\"fixed\"\nposition = [0.08, 0, "
+                 "0]\n"
+                 "orientation = { axis = [0, 1, 0], degrees = -90 }\n"
+                 "[[body]]\nname = \"south\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = "
+                 "\"fixed\"\nposition = [0, "
+                 "-0.08, 0]\n"
+                 "orientation = { axis = [1, 0, 0], degrees = -90 }\n"
+                 "[[body]]\nname = \"north\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = "
+                 "\"fixed\"\nposition = [0, "
+                 "0.08, 0]\n"
+                 "orientation = { axis = [1, 0, 0], degrees = 90 }\n"
+                 "[[body]]\nname = \"shelf\"\nshape = { rectangle = [0.05, 0.05] }\nmaterial = \"wall\"\njoint = "
+                 "\"fixed\"\nposition = [0, 0, 0.001]\n";
 
 /* The text of a crowd of `count` bodies on a loose grid; to be freed. */
 static char *crowd_text(int count) {
@@ -110,8 +166,9 @@ static char *crowd_text(int count) {
     for (int k = 0; k < count; k++) {
         double x = -0.054 + 0.036 * (k % 4), y = -0.054 + 0.036 * (k / 4 % 4), z = 0.06 + 0.036 * (k / 16);
         double radius = check_between(&seed, 0.006, 0.012);
-        used += snprintf(text + used, size - (size_t)used, "[[body]]\nname = \"b%d\"\nmaterial = \"stuff\"\n", k);
-        used += k % 5 == 0
+        used += snprintf(text + used, size - (size_t)used, "[[body]]\nname = \"b%d\"\nmaterial = \"%s\"\n", k,
+                         k % 5 ? "stuff" : "brick");
+        used += k % 8 == 0
                     ? snprintf(text + used, size - (size_t)used,
                                "shape = { box = [%.17g, %.17g, %.17g], rounding = 0.002 }\nspin = [1.0, 2.0, %d]\n",
                                1.2 * radius, 1.6 * radius, 2.0 * radius, k % 7)
@@ -140,12 +197,14 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
                            origin = vec_from(bodies->record[j].x);
                 double radius = bodies->record[i].radius, other = bodies->record[j].radius;
                 struct scree_meeting m = scree_meet_ball(p, radius, origin, other);
+                struct scree_whole whole = {vec_from(bodies->record[i].x),
+                                            ball == SCREE_BOX ? &bodies->attitude[bodies->slot[i]] : NULL};
                 if (host != SCREE_SPHERE) {
                     const struct scree_attitude *a = &bodies->attitude[bodies->slot[j]];
                     m = host == SCREE_PLANE       ? scree_meet_plane(p, radius, origin, &a->frame)
-                        : host == SCREE_RECTANGLE ? scree_meet_rectangle(p, radius, origin, &a->frame, a->half,
-                                                                         scree_thickness(&bodies->record[i]), 0.0)
-                                                  : scree_meet_box(p, radius, origin, &a->frame, a->half, other);
+                        : host == SCREE_RECTANGLE ? scree_meet_rectangle(p, radius, whole, origin, &a->frame, a->half,
+                                                                         scree_thickness(&bodies->record[i]))
+                                                  : scree_meet_box(p, radius, whole, origin, &a->frame, a->half, other);
                 }
                 touching += m.overlap > 0.0;
             }
@@ -311,6 +370,8 @@ static void test_loop_equals_laws(void) {
 int main(void) {
     test_ball_on_box();
     test_flat_partners();
+    test_corners();
+    test_boxes_depth();
     test_lists();
     test_momentum();
     test_loop_equals_laws();

@@ -215,6 +215,94 @@ static void test_energy(void) {
     CHECK(fine < coarse / 16.0);
 }
 
+/* Worst balance of the books against the largest energy turned over, and whether friction ever gave energy back. */
+static double worst_balance(const char *text, const char *const *changes, int count, long steps, int every) {
+    scree_scene *scene = scene_from(text, changes, count, 0);
+    double worst = 0.0, turned = 0.0, lost = 0.0;
+    for (long k = 0; k < steps; k += every) {
+        scree_energy energy;
+        go(scene, every);
+        CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
+        turned = fmax(turned, energy.kinetic);
+        worst = fmax(worst, fabs(energy.balance));
+        CHECK(energy.lost_tangential >= lost - 1e-12 * turned);
+        lost = energy.lost_tangential;
+    }
+    scree_scene_destroy(scene);
+    return worst / turned;
+}
+
+/* A sphere that is thrown at a floor slantwise, with a dashpot in the friction law: friction only takes energy, and what is left
+ * doesn't hang on the step. */
+static void test_friction_takes_energy(void) {
+    static const char text[] =
+        "[time]\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
+        "[[material]]\nname = \"m\"\ndensity = 1000\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e5, restitution = 1.0 }\n"
+        "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 2e4, damping = 0.1 }\n"
+        "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = 0.02 }\nposition = [0, 0, 0.0205]\n"
+        "velocity = [0.2, 0, -1]\n";
+    static const char *const steps[] = {"time.step=2e-6", "time.step=1e-6", "time.step=5e-7"};
+    double left[3];
+    for (int k = 0; k < 3; k++) {
+        scree_scene *scene = scene_from(text, &steps[k], 1, 0);
+        go(scene, (long)(4e-3 / scree_scene_step_length(scene) + 0.5));
+        left[k] = state_of(scene, "ball").velocity[0];
+        scree_scene_destroy(scene);
+    }
+    /* First order in the step: within what friction does in one step at its strongest, mu v sqrt(k/m) h. */
+    double one_step = 0.5 * sqrt(1e5 / (1000.0 * 4.0 / 3.0 * acos(-1.0) * 8e-6));
+    NEAR(left[0], left[1], one_step * 2e-6);
+    NEAR(left[1], left[2], one_step * 1e-6);
+    CHECK(worst_balance(text, NULL, 0, 4000, 1) < 1e-5);
+}
+
+/* Borders and edges give no energy away: a ball against a step, rolling over a border, and rising from beneath. */
+static void test_borders(void) {
+    static const char text[] =
+        "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
+        "[[material]]\nname = \"m\"\ndensity = 1000\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }\n"
+        "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"plate\"\nmaterial = \"m\"\nshape = { rectangle = [0.2, 0.2] }\njoint = \"fixed\"\n"
+        "position = [0.15, 0, 0.008]\n"
+        "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\nposition = [0, 0, 0.00999]\n"
+        "velocity = [0.5, 0, 0]\n";
+    static const char *const over[] = {"body.ball.position=[0.23, 0, 0.018]"};
+    static const char *const beneath[] = {"body.ball.position=[0.25, 0, 0.0101]", "body.ball.velocity=[-0.5, 0, 0]",
+                                          "body.plate.position=[0.15, 0, 0.03]", "body.ball.shape={sphere=0.009}"};
+    /* The step resolves a contact of 2 ms by 2000 steps: the books are right to some (pi/2000)^2/12 of what they turn over,
+     * and to first order in the share of a step where contacts begin. */
+    CHECK(worst_balance(text, NULL, 0, 120000, 20) < 1e-4);
+    CHECK(worst_balance(text, over, 1, 120000, 20) < 1e-4);
+    CHECK(worst_balance(text, beneath, 4, 120000, 20) < 1e-4);
+}
+
+/* Cubes that are just as large stand on each other; boxes that meet edge to edge, which no corner sees, don't pass unnoticed. */
+static void test_cubes(void) {
+    static const char text[] =
+        "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-5\n"
+        "[[material]]\nname = \"m\"\ndensity = 1000\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear-cut\", stiffness = 1e5, restitution = 0.3 }\nshared_by = 4\n"
+        "[[body]]\nname = \"lower\"\nmaterial = \"m\"\nshape = { box = [0.1, 0.1, 0.1] }\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"upper\"\nmaterial = \"m\"\nshape = { box = [0.1, 0.1, 0.1] }\nposition = [0, 0, 0.101]\n";
+    scree_scene *scene = scene_from(text, NULL, 0, 0);
+    go(scene, 100000);
+    /* Upper corners on the lower cube and lower corners on the upper one share the weight: eight springs of k/4. */
+    NEAR(state_of(scene, "upper").position[2], 0.1 - 1.0 * 9.81 / 2e5, 1e-9);
+    scree_scene_destroy(scene);
+
+    static const char *const crossed[] = {"body.upper.position=[0, 0, 0.145]", "body.upper.velocity=[0, 0, -1]",
+                                          "body.lower.orientation={axis=[1, 0, 0], degrees=45}",
+                                          "body.upper.orientation={axis=[0, 1, 0], degrees=45}"};
+    scene = scene_from(text, crossed, 4, 0);
+    CHECK(scree_scene_step(scene, 100000) == SCREE_FAILED);
+    CONTAINS(scree_scene_trouble(scene)->text, "\"upper\"");
+    scree_scene_destroy(scene);
+}
+
 /* ---- rest ---- */
 
 static void test_rest(void) {
@@ -518,6 +606,9 @@ int main(void) {
     test_restitution();
     test_conventional();
     test_energy();
+    test_friction_takes_energy();
+    test_borders();
+    test_cubes();
     test_rest();
     test_same_bits();
     test_golden();

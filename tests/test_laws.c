@@ -270,7 +270,7 @@ static void test_creep(void) {
 
 static void test_coulomb(void) {
     const struct scree_friction_law *law;
-    scree_law_choice choice = {"coulomb", 4, {{"static", 0.5}, {"kinetic", 0.3}, {"stiffness", 1e4}, {"damping", 2.0}}};
+    scree_law_choice choice = {"coulomb", 3, {{"static", 0.5}, {"kinetic", 0.3}, {"stiffness", 1e4}}};
     struct scree_rule rule = make_friction(choice, &law);
     struct scree_sliding at = {.normal = 10.0, .stretch = {3e-4, 4e-4, 0.0}}; /* |k s| = 5 N = mu_s N */
     struct scree_tangential f = law->force(&rule.friction_constants, at);
@@ -283,6 +283,7 @@ static void test_coulomb(void) {
     CLOSE(vec_norm(f.stretch) * 1e4, 3.0, 1e-15);
     at.stretch = f.stretch; /* goes on sliding until the force falls below mu_k N */
     at.sliding = 1.0;
+    at.half = 1e-6;
     at.velocity = vec(1e-3, 0.0, 0.0);
     CHECK(law->force(&rule.friction_constants, at).sliding == 1.0);
     at.velocity = vec(-1e-3, 0.0, 0.0);
@@ -291,6 +292,32 @@ static void test_coulomb(void) {
     f = law->force(&rule.friction_constants, at);
     CHECK(vec_norm(f.force) == 0.0 && vec_norm(f.stretch) == 0.0);
     CHECK(scree_creep_speed(law, &rule.friction_constants, 0.1) == 0.0);
+}
+
+/* Whatever the state, a step takes energy out: spring, dashpot and slider in a row are passive, and so is the scheme (unless
+ * the ball already moves along the force on it: the step in which the slip turns round). */
+static void test_coulomb_takes_energy(void) {
+    static const double dampings[] = {0.0, 0.1, 2.0, 50.0};
+    uint64_t seed = 11;
+    int slid = 0;
+    for (int trial = 0; trial < 4000; trial++) {
+        const struct scree_friction_law *law;
+        scree_law_choice choice = {
+            "coulomb", 4, {{"static", 0.5}, {"kinetic", 0.3}, {"stiffness", 1e4}, {"damping", dampings[trial % 4]}}};
+        struct scree_rule rule = make_friction(choice, &law);
+        struct scree_sliding at = {.normal = check_between(&seed, 0.0, 10.0), .half = 1e-5};
+        at.velocity = vec(check_between(&seed, -1.0, 1.0), check_between(&seed, -1.0, 1.0), 0.0);
+        at.stretch = vec(check_between(&seed, -5e-4, 5e-4), check_between(&seed, -5e-4, 5e-4), 0.0);
+        at.sliding = trial % 3 == 0;
+        struct scree_tangential f = law->force(&rule.friction_constants, at);
+        if (vec_dot(f.force, at.velocity) > 0.0) continue;
+        slid += f.sliding > 0.0;
+        double work = -2.0 * at.half * vec_dot(f.force, at.velocity);
+        double stored =
+            law->stored(&rule.friction_constants, f.stretch) - law->stored(&rule.friction_constants, at.stretch);
+        CHECK(work - stored >= -1e-16); /* rounding of 1e-3 J */
+    }
+    CHECK(slid > 500);
 }
 
 /* ---- what is refused ---- */
@@ -363,6 +390,7 @@ int main(void) {
     test_friction_values();
     test_creep();
     test_coulomb();
+    test_coulomb_takes_energy();
     test_refusals();
     test_descriptions();
     return check_report();
