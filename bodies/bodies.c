@@ -68,9 +68,12 @@ static enum scree_body_class classify(const scree_body_def *def) {
     return def->shape.kind == SCREE_SPHERE && free_axes && !hinged ? SCREE_CLASS_BALL : SCREE_CLASS_GENERAL;
 }
 
+double scree_body_mass(const scree_body_def *def, double density) {
+    return def->mass > 0.0 ? def->mass : density * scree_shape_volume(&def->shape);
+}
+
 static void set_inertia(struct scree_inertia *inertia, const scree_body_def *def, double density) {
-    double mass = def->mass > 0.0 ? def->mass : density * scree_shape_volume(&def->shape);
-    double moments[3];
+    double mass = scree_body_mass(def, density), moments[3];
     scree_shape_inertia(&def->shape, moments);
     inertia->mass = mass;
     for (int k = 0; k < 3; k++) {
@@ -101,7 +104,7 @@ void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_d
     record->bound = fmin(scree_shape_bound(&def->shape), unlimited);
 }
 
-static struct quat start_attitude(const scree_body_def *def) {
+struct quat scree_start_attitude(const scree_body_def *def) {
     const double *q = def->orientation;
     if (q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0) return (struct quat){1.0, 0.0, 0.0, 0.0};
     return quat_normalise(quat_from(q));
@@ -110,7 +113,7 @@ static struct quat start_attitude(const scree_body_def *def) {
 static void set_attitude(struct scree_bodies *bodies, int index, const scree_body_def *def) {
     struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
     const struct scree_inertia *inertia = &bodies->inertia[index];
-    struct quat q = start_attitude(def);
+    struct quat q = scree_start_attitude(def);
     attitude->ahead = q;
     attitude->frame = quat_to_mat(q);
     quat_store(q, attitude->q);

@@ -83,6 +83,12 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
                                  scree_trouble *trouble);
 void scree_bodies_destroy(struct scree_bodies *bodies);
 
+/* Mass of a body as defined, kg; `density` in kg/m^3 counts where the definition gives no mass. */
+double scree_body_mass(const scree_body_def *def, double density);
+
+/* Attitude that a definition asks for, normalised. */
+struct quat scree_start_attitude(const scree_body_def *def);
+
 /* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. */
 void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density);
 

@@ -74,8 +74,15 @@ static int find_parameter(const struct scree_law_text *text, const char *name) {
 
 static scree_status read_settings(const struct scree_law_text *text, const scree_law_choice *choice,
                                   struct scree_values *values, scree_trouble *trouble) {
+    if (choice->settings < 0 || choice->settings > SCREE_SETTINGS_MAX)
+        return scree_report(trouble, SCREE_BAD_INPUT, NULL,
+                            "the law \"%s\" is given %d parameters; 0 to %d are possible", text->name, choice->settings,
+                            SCREE_SETTINGS_MAX);
     for (int k = 0; k < choice->settings; k++) {
         const scree_setting *setting = &choice->setting[k];
+        if (!setting->name)
+            return scree_report(trouble, SCREE_BAD_INPUT, NULL, "parameter %d of the law \"%s\" has no name", k + 1,
+                                text->name);
         int index = find_parameter(text, setting->name);
         if (index < 0) {
             const char *names[SCREE_PARAMETERS + 1] = {0};

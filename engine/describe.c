@@ -112,6 +112,10 @@ static void describe_stages(const scree_scene *scene, FILE *file) {
 }
 
 void scree_scene_describe(const scree_scene *scene, FILE *file) {
+    if (scene->baked != 1) {
+        fprintf(file, "no plan: the scene has not been baked%s\n", scene->baked ? " successfully" : "");
+        return;
+    }
     struct scree_c_locale locale = scree_enter_c_locale();
     describe_bodies(scene, file);
     fprintf(file, "materials in contact:\n");

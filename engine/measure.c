@@ -6,19 +6,37 @@
 
 int scree_scene_bodies(const scree_scene *scene) { return scene->baked == 1 ? scene->bodies.count : scene->defs; }
 
-const char *scree_scene_body_name(const scree_scene *scene, int index) { return scene->def[index].name; }
+/* The definition of body `index`; one that is all zero where there is no such body. */
+static const scree_body_def *definition(const scree_scene *scene, int index) {
+    static const scree_body_def none = {.name = NULL};
+    return index >= 0 && index < scene->defs ? &scene->def[index] : &none;
+}
 
-scree_shape scree_scene_body_shape(const scree_scene *scene, int index) { return scene->def[index].shape; }
+const char *scree_scene_body_name(const scree_scene *scene, int index) { return definition(scene, index)->name; }
 
-double scree_scene_body_mass(const scree_scene *scene, int index) { return scene->bodies.inertia[index].mass; }
+scree_shape scree_scene_body_shape(const scree_scene *scene, int index) { return definition(scene, index)->shape; }
+
+double scree_scene_body_mass(const scree_scene *scene, int index) {
+    const scree_body_def *def = definition(scene, index);
+    return def->name ? scree_body_mass(def, scene->material[def->material].density) : 0.0;
+}
 
 int scree_scene_body_moves(const scree_scene *scene, int index) {
-    return !scree_joint_is_fixed(&scene->def[index].joint);
+    const scree_body_def *def = definition(scene, index);
+    return def->name && !scree_joint_is_fixed(&def->joint);
 }
 
 scree_body_state scree_scene_body(const scree_scene *scene, int index) {
     const struct scree_bodies *bodies = &scene->bodies;
+    const scree_body_def *def = definition(scene, index);
     scree_body_state state = {.orientation = {1.0, 0.0, 0.0, 0.0}};
+    if (scene->baked != 1 || !def->name) {
+        memcpy(state.position, def->position, sizeof state.position);
+        memcpy(state.velocity, def->velocity, sizeof state.velocity);
+        memcpy(state.spin, def->spin, sizeof state.spin);
+        quat_store(scree_start_attitude(def), state.orientation);
+        return state;
+    }
     memcpy(state.position, bodies->state[index].x, sizeof state.position);
     memcpy(state.velocity, bodies->state[index].v, sizeof state.velocity);
     vec_store(scree_bodies_spin(bodies, index, scree_scene_time(scene)), state.spin);
@@ -51,7 +69,18 @@ static void add_body_energy(const scree_scene *scene, int k, const double gravit
         energy->rotational += 0.5 * vec_dot(scree_bodies_spin(bodies, k, scree_scene_time(scene)), vec_from(state->l));
 }
 
+static scree_status check_baked(scree_scene *scene) {
+    if (scene->baked == 1) return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be measured");
+}
+
 scree_status scree_scene_energy(scree_scene *scene, scree_energy *energy) {
+    *energy = (scree_energy){0};
+    scree_status status = check_baked(scene);
+    return status ? status : scree_energy_now(scene, energy);
+}
+
+scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
     *energy = (scree_energy){0};
     scree_status status = scree_scene_look_now(scene);
     if (status) return status;
@@ -91,7 +120,8 @@ static scree_contact_state contact_state(const scree_scene *scene, const struct 
 
 scree_status scree_scene_contacts(scree_scene *scene, scree_contact_state *states, int capacity, int *count) {
     *count = 0;
-    scree_status status = scree_scene_look_now(scene);
+    scree_status status = check_baked(scene);
+    if (!status) status = scree_scene_look_now(scene);
     if (status) return status;
     const struct scree_contacts *contacts = &scene->contacts;
     for (int b = 0; b < contacts->batches; b++) {

@@ -11,34 +11,7 @@
 static const double steps_per_contact = 50.0, share_of_limit = 0.2;
 static const double pi = 3.14159265358979323846;
 
-/* ---- species: bodies that meet others alike ---- */
-
-/* Bodies of one material, shape kind and mobility. */
-struct species {
-    long count;
-    int lightest, other; /* of its bodies the lightest, and one more; -1 if there is none */
-};
-
-static int species_count(const struct scree_scene *scene) { return scene->materials * SCREE_SHAPE_KINDS * 2; }
-
-/* The table of species, to be freed; NULL if there is no memory. */
-static struct species *sort_into_species(const struct scree_scene *scene) {
-    const struct scree_bodies *bodies = &scene->bodies;
-    struct species *species = calloc((size_t)species_count(scene), sizeof *species);
-    if (!species) return NULL;
-    for (int s = 0; s < species_count(scene); s++) species[s].lightest = species[s].other = -1;
-    for (int k = 0; k < bodies->count; k++) {
-        int index = bodies->material[k] * SCREE_SHAPE_KINDS + (int)bodies->shape[k].kind;
-        struct species *s = &species[2 * index + scree_joint_can_move(&bodies->joint[k])];
-        int lighter = s->count == 0 || bodies->record[k].inverse_mass > bodies->record[s->lightest].inverse_mass;
-        s->other = lighter ? s->lightest : k;
-        if (lighter) s->lightest = k;
-        s->count++;
-    }
-    return species;
-}
-
-/* ---- the step ---- */
+/* ---- how soft bodies are ---- */
 
 /* Softness of a box under springs at the four corners of a face, 1/kg summed over the corners: the largest eigenvalue of
  * its motions, which is at least that of one corner alone. Along the normal the box heaves, pitches and rolls, sideways it
@@ -67,6 +40,62 @@ static double softness(const struct scree_bodies *bodies, int k, int tangential)
     return tangential ? centre + radius * radius * bodies->inertia[k].inverse_moments[0] : centre;
 }
 
+/* ---- species: bodies that meet others alike ---- */
+
+/* What makes a body the hardest of its species to follow, in one contact law or another. */
+enum merit { LIGHTEST, SOFTEST, SOFTEST_SIDEWAYS, ROUNDEST, MERITS };
+
+/* Bodies of one material, shape kind and mobility. */
+struct species {
+    long count;
+    int pick[MERITS][2];              /* the first and the second by each merit; -1 if there is none */
+    int standing, stands[2 * MERITS]; /* the same without repetition: they stand for all */
+};
+
+static double merit_of(const struct scree_bodies *bodies, int k, enum merit merit) {
+    if (merit == LIGHTEST) return bodies->record[k].inverse_mass;
+    if (merit == ROUNDEST) return bodies->record[k].radius;
+    return softness(bodies, k, merit == SOFTEST_SIDEWAYS);
+}
+
+static void enter(const struct scree_bodies *bodies, int k, enum merit merit, int pick[2]) {
+    double value = merit_of(bodies, k, merit);
+    if (pick[0] < 0 || value > merit_of(bodies, pick[0], merit)) {
+        pick[1] = pick[0];
+        pick[0] = k;
+    } else if (pick[1] < 0 || value > merit_of(bodies, pick[1], merit)) {
+        pick[1] = k;
+    }
+}
+
+static void list_picks(struct species *species) {
+    for (int p = 0; p < 2 * MERITS; p++) {
+        int body = species->pick[p / 2][p % 2], known = body < 0;
+        for (int k = 0; k < species->standing; k++) known |= species->stands[k] == body;
+        if (!known) species->stands[species->standing++] = body;
+    }
+}
+
+static int species_count(const struct scree_scene *scene) { return scene->materials * SCREE_SHAPE_KINDS * 2; }
+
+/* The table of species, to be freed; NULL if there is no memory. */
+static struct species *sort_into_species(const struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    struct species *species = calloc((size_t)species_count(scene), sizeof *species);
+    if (!species) return NULL;
+    for (int s = 0; s < species_count(scene); s++) memset(species[s].pick, -1, sizeof species[s].pick);
+    for (int k = 0; k < bodies->count; k++) {
+        int index = bodies->material[k] * SCREE_SHAPE_KINDS + (int)bodies->shape[k].kind;
+        struct species *s = &species[2 * index + scree_joint_can_move(&bodies->joint[k])];
+        for (int merit = 0; merit < MERITS; merit++) enter(bodies, k, (enum merit)merit, s->pick[merit]);
+        s->count++;
+    }
+    for (int s = 0; s < species_count(scene); s++) list_picks(&species[s]);
+    return species;
+}
+
+/* ---- the step ---- */
+
 /* Overlap at which the elastic energy of a contact equals m v^2/2; NAN for m = 0. */
 static double deepest_overlap(const struct scree_normal_law *law, const struct scree_law_constants *constants,
                               struct scree_pair_constants pair, double mass, double speed) {
@@ -93,15 +122,15 @@ static struct pair_rates rates_of(const struct scree_scene *scene, const struct 
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_normal_law *law = scree_normal_laws[rule->normal];
     int balls = bodies->shape[i].kind == SCREE_SPHERE && bodies->shape[j].kind == SCREE_SPHERE;
+    double normal = softness(bodies, i, 0) + softness(bodies, j, 0);
     double mass = scree_effective_mass(bodies, i, j) / rule->share;
+    if (mass == 0.0) mass = 1.0 / normal; /* bodies that only turn */
     double radius = scree_effective_radius(bodies, i, j, balls ? SCREE_BALL_BALL : SCREE_BALL_PLANE);
     struct scree_pair_constants pair = law->pair(&rule->normal_constants, mass, radius);
     double overlap = deepest_overlap(law, &rule->normal_constants, pair, mass, speed);
     struct scree_normal_force at = law->force(&rule->normal_constants, pair, overlap, speed);
     struct scree_normal_force less = law->force(&rule->normal_constants, pair, 0.999 * overlap, speed);
     double stiffness = (at.elastic - less.elastic) / (0.001 * overlap);
-
-    double normal = softness(bodies, i, 0) + softness(bodies, j, 0);
     struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0};
     if (rule->friction < 0) return rates;
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
@@ -172,21 +201,24 @@ static void note_pair(double value, int i, int j, double *least, int pair[2]) {
     pair[1] = j;
 }
 
+/* Let the contact of bodies i and j count. */
+static void limit_by(const struct scree_scene *scene, int i, int j, struct scree_step_choice *choice) {
+    const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, &scene->bodies, i, j, NULL);
+    if (!rule) return;
+    struct pair_rates rates = rates_of(scene, rule, i, j, choice->speed);
+    note_pair(stable_step(rates), i, j, &choice->limit, choice->limit_pair);
+    note_pair(pi / sqrt(rates.stiffness), i, j, &choice->duration, choice->shortest_pair);
+}
+
 static void find_limits(const struct scree_scene *scene, const struct species *species,
                         struct scree_step_choice *choice) {
     choice->limit = choice->duration = HUGE_VAL;
     choice->limit_pair[0] = choice->limit_pair[1] = choice->shortest_pair[0] = choice->shortest_pair[1] = -1;
-    for (int s = 0; s < species_count(scene); s++) {
-        for (int t = s; t < species_count(scene); t++) {
-            int i = species[s].lightest, j = s == t ? species[s].other : species[t].lightest;
-            if (i < 0 || j < 0) continue;
-            const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, &scene->bodies, i, j, NULL);
-            if (!rule) continue;
-            struct pair_rates rates = rates_of(scene, rule, i, j, choice->speed);
-            note_pair(stable_step(rates), i, j, &choice->limit, choice->limit_pair);
-            note_pair(pi / sqrt(rates.stiffness), i, j, &choice->duration, choice->shortest_pair);
-        }
-    }
+    for (int s = 0; s < species_count(scene); s++)
+        for (int t = s; t < species_count(scene); t++)
+            for (int a = 0; a < species[s].standing; a++)
+                for (int b = s == t ? a + 1 : 0; b < species[t].standing; b++)
+                    limit_by(scene, species[s].stands[a], species[t].stands[b], choice);
 }
 
 static double automatic_step(const struct scree_time_def *time, struct scree_step_choice *choice) {
@@ -255,7 +287,7 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
         for (int t = s; t < species_count(scene); t++) {
             long pairs = s == t ? species[s].count * (species[s].count - 1) / 2 : species[s].count * species[t].count;
             if (pairs == 0) continue;
-            int i = species[s].lightest, j = s == t ? species[s].other : species[t].lightest, missing = 0;
+            int i = species[s].pick[LIGHTEST][0], j = species[t].pick[LIGHTEST][s == t], missing = 0;
             int still = !scree_joint_can_move(&bodies->joint[i]) && !scree_joint_can_move(&bodies->joint[j]);
             const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, &missing);
             if (missing)
@@ -270,6 +302,27 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
             plan->pairs_meeting += rule ? pairs : 0;
             plan->pairs_still += !rule && still ? pairs : 0;
             plan->pairs_none += !rule && !still ? pairs : 0;
+        }
+    }
+    return SCREE_OK;
+}
+
+/* Bodies that can only turn have no mass that a law could use, as restitution does. */
+static scree_status check_turning(struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int i = 0; i < bodies->count; i++) {
+        if (!scree_joint_can_move(&bodies->joint[i]) || bodies->record[i].inverse_mass > 0.0) continue;
+        for (int j = 0; j < bodies->count; j++) {
+            const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, NULL);
+            if (j == i || bodies->record[j].inverse_mass > 0.0 || !rule) continue;
+            const struct scree_normal_law *law = scree_normal_laws[rule->normal];
+            struct scree_pair_constants light = law->pair(&rule->normal_constants, 1.0, 1.0);
+            struct scree_pair_constants heavy = law->pair(&rule->normal_constants, 2.0, 1.0);
+            if (memcmp(&light, &heavy, sizeof light) == 0) continue;
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
+                                "the contact of \"%s\" with \"%s\" asks for a restitution, which takes the bodies' "
+                                "mass; but their centres are held and they only turn: give a damping instead",
+                                scree_name(scene, i), scree_name(scene, j));
         }
     }
     return SCREE_OK;
@@ -305,6 +358,7 @@ static scree_status plan_pairs_and_step(struct scree_scene *scene) {
     struct species *species = sort_into_species(scene);
     if (!species) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the plan");
     scree_status status = check_pairs(scene, species);
+    if (!status) status = check_turning(scene);
     if (!status) status = choose_step(scene, species);
     free(species);
     return status;
@@ -325,13 +379,16 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status) status = check_start_overlaps(scene);
     if (status || !scene->time.energy) return status;
     scree_energy energy;
-    status = scree_scene_energy(scene, &energy);
+    status = scree_energy_now(scene, &energy);
     scene->first_energy = energy.balance;
     return status;
 }
 
 scree_status scree_scene_bake(scree_scene *scene) {
-    if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "the scene is baked already");
+    if (scene->baked)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "%s",
+                            scene->baked == 1 ? "the scene is baked already"
+                                              : "baking this scene has failed: define it anew");
     if (scene->defs == 0) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "the scene has no bodies");
     scree_status status = bake(scene);
     scene->baked = status ? -1 : 1;

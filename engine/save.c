@@ -154,6 +154,8 @@ static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
 }
 
 scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) {
+    if (scene->baked != 1)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be saved");
     struct stream s = {.file = file, .hash = scree_hash_start};
     struct scalars scalars = scalars_of(scene);
     uint64_t print = fingerprint(scene);

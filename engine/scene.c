@@ -144,6 +144,12 @@ static int all_finite(const double *values, int count) {
 
 static int is_zero(const double a[3]) { return a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0; }
 
+/* A direction can be normalised: its square neither vanishes nor overflows. */
+static int is_direction(const double a[3]) {
+    double norm2 = vec_norm2(vec_from(a));
+    return norm2 > 1e-200 && norm2 < 1e200;
+}
+
 static scree_status check_numbers(scree_scene *scene, const scree_body_def *def) {
     const struct {
         const char *field;
@@ -169,6 +175,12 @@ static scree_status check_numbers(scree_scene *scene, const scree_body_def *def)
     return SCREE_OK;
 }
 
+static int known_freedoms(const scree_joint *joint) {
+    const scree_freedom *along = joint->along;
+    return (unsigned)along[0] <= SCREE_DRIVEN && (unsigned)along[1] <= SCREE_DRIVEN &&
+           (unsigned)along[2] <= SCREE_DRIVEN && (unsigned)joint->turn <= SCREE_DRIVEN;
+}
+
 static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
     const scree_joint *joint = &def->joint;
     int wall = def->shape.kind == SCREE_PLANE || def->shape.kind == SCREE_RECTANGLE;
@@ -179,6 +191,9 @@ static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
             joint->along[k] == SCREE_DRIVEN && (joint->along_motion[k] < 0 || joint->along_motion[k] >= scene->motions);
         moving_free |= joint->along[k] != SCREE_FREE && def->velocity[k] != 0.0;
     }
+    if (!known_freedoms(joint))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
+                            "the joint of body \"%s\" must be free, fixed or driven in each direction", def->name);
     if (bad_motion)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
                             "body \"%s\" is driven by a motion that isn't there", def->name);
@@ -192,9 +207,10 @@ static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
     if (joint->turn != SCREE_FREE && !is_zero(def->spin))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "spin",
                             "body \"%s\" has a spin though its joint fixes or drives its turning", def->name);
-    if (joint->turn == SCREE_DRIVEN && is_zero(joint->axis))
+    if (!is_direction(joint->axis) && (joint->turn == SCREE_DRIVEN || !is_zero(joint->axis)))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
-                            "the driven turn of body \"%s\" needs an axis other than zero", def->name);
+                            "the axis of body \"%s\" gives no direction: a driven turn needs one, a hinge too",
+                            def->name);
     return SCREE_OK;
 }
 
@@ -211,11 +227,18 @@ static scree_status check_turning_plane(scree_scene *scene, const scree_body_def
 }
 
 static scree_status check_mass(scree_scene *scene, const scree_body_def *def) {
-    if (!scree_joint_can_move(&def->joint) || def->mass > 0.0 || scene->material[def->material].density > 0.0)
+    const scree_material_def *material = &scene->material[def->material];
+    if (!scree_joint_can_move(&def->joint)) return SCREE_OK;
+    if (!(def->mass > 0.0) && !(material->density > 0.0))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "mass",
+                            "body \"%s\" has no mass: give it one (kg), or its material \"%s\" a density (kg/m^3)",
+                            def->name, material->name);
+    double mass = scree_body_mass(def, material->density), moments[3];
+    scree_shape_inertia(&def->shape, moments);
+    if (isnormal(mass) && isfinite(1.0 / mass) && isnormal(mass * moments[0]) && isfinite(1.0 / (mass * moments[0])))
         return SCREE_OK;
     return scree_report(&scene->trouble, SCREE_BAD_INPUT, "mass",
-                        "body \"%s\" has no mass: give it one (kg), or its material \"%s\" a density (kg/m^3)",
-                        def->name, scene->material[def->material].name);
+                        "body \"%s\" has a mass of %g kg and a size that numbers can't hold together", def->name, mass);
 }
 
 scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index) {
@@ -249,7 +272,7 @@ scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def
                             "gravity must consist of finite numbers (m/s^2)");
     if (def->tilts && (def->tilt < 0 || def->tilt >= scene->motions))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "gravity", "gravity tilts by a motion that isn't there");
-    if (def->tilts && is_zero(def->axis))
+    if (def->tilts && !is_direction(def->axis))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "gravity",
                             "tilting gravity needs an axis other than zero");
     scene->gravity = *def;
@@ -266,6 +289,9 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
                                 "%s must be a positive number, got %g", numbers[k].field, numbers[k].value);
+    if (def->integrator != SCREE_VERLET)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
+                            (int)def->integrator);
     if (def->threads < 0 || def->threads > 1024)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
                             def->threads);

@@ -59,6 +59,9 @@ void scree_gravity_at(const struct scree_scene *scene, double time, double gravi
 /* Bring the shadow to the state; SCREE_NO_MEMORY. */
 scree_status scree_scene_look_now(struct scree_scene *scene);
 
+/* scree_scene_energy for a scene that is just being baked. */
+scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy);
+
 /* Name of body k for messages. */
 static inline const char *scree_name(const struct scree_scene *scene, int k) {
     return k >= 0 ? scene->bodies.name[k] : "nothing";

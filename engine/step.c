@@ -32,14 +32,15 @@ static scree_status renew_list(scree_scene *scene) {
             return stop(scene, k, -1,
                         "its position or velocity is no longer a finite number; the step is too large or a "
                         "contact too stiff");
-        double speed = vec_norm(vec_from(record->v));
+        int plane = bodies->shape[k].kind == SCREE_PLANE; /* turns about its normal only */
+        double speed = vec_norm(vec_from(record->v)) + (plane ? 0.0 : vec_norm(vec_from(record->w)) * record->bound);
         if (speed * scene->step > scene->contacts.skin) {
-            char cause[160];
-            snprintf(cause, sizeof cause,
-                     "it moves %.3g m in one step, more than the thinnest body is thick (%.3g m): it could "
-                     "pass through "
-                     "unnoticed; take a smaller step",
-                     speed * scene->step, scene->contacts.skin);
+            char cause[200];
+            snprintf(
+                cause, sizeof cause,
+                "it moves, or its tips do, %.3g m in one step, more than the list of contacts looks ahead (%.3g m): "
+                "it could pass through others unnoticed; take a smaller step",
+                speed * scene->step, scene->contacts.skin);
             return stop(scene, k, -1, cause);
         }
     }
