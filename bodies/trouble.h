@@ -3,6 +3,8 @@
 #ifndef SCREE_BODIES_TROUBLE_H
 #define SCREE_BODIES_TROUBLE_H
 
+#include <stdarg.h>
+
 #if defined(__GNUC__)
 #define SCREE_API               __attribute__((visibility("default")))
 #define SCREE_PRINTF(text, arg) __attribute__((format(printf, text, arg)))
@@ -31,9 +33,21 @@ typedef struct scree_trouble {
 } scree_trouble;
 
 /* Fill the record; returns `status`, so that a failure can be reported and returned in one line. `field` may be
- * NULL. A NULL record is allowed: then only the status is returned. */
+ * NULL. A NULL record is allowed: then only the status is returned. Control characters are shown as \n or \x1b; a text too
+ * long for the record loses the middle of its long names ("…" stands there), never its end, which holds the cause. */
 SCREE_PRINTF(4, 5)
 scree_status scree_report(scree_trouble *trouble, scree_status status, const char *field, const char *format, ...);
+
+/* The same for a place in a file: the text begins with "file:line:column: " ("file: " if `line` is 0). */
+SCREE_PRINTF(6, 0)
+scree_status scree_report_at(scree_trouble *trouble, scree_status status, const char *file, int line, int column,
+                             const char *format, va_list arguments);
+
+/* A name as it may be printed: control characters shown as such, shortened in the middle if it is long. */
+struct scree_shown {
+    char text[256];
+};
+struct scree_shown scree_shown(const char *name);
 
 /* The name in `names` (NULL-terminated) that is most like `wrong`, for messages; NULL if none is near. */
 const char *scree_nearest_name(const char *wrong, const char *const *names);

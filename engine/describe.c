@@ -16,7 +16,13 @@ static void describe_bodies(const scree_scene *scene, FILE *file) {
                 plan->pairs_none);
 }
 
-static const char *material_name(const scree_scene *scene, int index) { return scene->material[index].name; }
+static struct scree_shown material_name(const scree_scene *scene, int index) {
+    return scree_shown(scene->material[index].name);
+}
+
+static struct scree_shown body_name(const scree_scene *scene, int index) {
+    return scree_shown(scree_name(scene, index));
+}
 
 static void describe_creep(const struct scree_friction_law *law, const struct scree_law_constants *constants,
                            FILE *file) {
@@ -33,8 +39,8 @@ static void describe_creep(const struct scree_friction_law *law, const struct sc
 }
 
 static void describe_rule(const scree_scene *scene, const struct scree_rule *rule, FILE *file) {
-    fprintf(file, "  \"%s\" with \"%s\": ", material_name(scene, rule->material[0]),
-            material_name(scene, rule->material[1]));
+    fprintf(file, "  \"%s\" with \"%s\": ", material_name(scene, rule->material[0]).text,
+            material_name(scene, rule->material[1]).text);
     if (!rule->touches) {
         fprintf(file, "none\n");
         return;
@@ -69,15 +75,18 @@ static void describe_step(const scree_scene *scene, FILE *file) {
         return;
     }
     fprintf(file, "  shortest contact: %.4g s (%.3g steps), \"%s\" with \"%s\"\n", choice->duration,
-            choice->duration / choice->step, scree_name(scene, choice->shortest_pair[0]),
-            scree_name(scene, choice->shortest_pair[1]));
+            choice->duration / choice->step, body_name(scene, choice->shortest_pair[0]).text,
+            body_name(scene, choice->shortest_pair[1]).text);
     fprintf(file, "  stable up to: %.4g s, \"%s\" with \"%s\"%s\n", choice->limit,
-            scree_name(scene, choice->limit_pair[0]), scree_name(scene, choice->limit_pair[1]),
+            body_name(scene, choice->limit_pair[0]).text, body_name(scene, choice->limit_pair[1]).text,
             choice->step > choice->limit ? "  (FORCED BEYOND IT)" : "");
     if (choice->automatic)
         fprintf(file, "  rule: 1/50 of the shortest contact%s\n",
                 choice->bound_by_damping ? ", here cut to 1/5 of the stability limit because of damping or friction"
                                          : "");
+    if (choice->automatic && scene->time.divide > 0.0)
+        fprintf(file, "  lowered so that %.9g s (between rows, or of the whole run) is a whole number of steps: %.0f\n",
+                scene->time.divide, scene->time.divide / choice->step);
     fprintf(file, "  reckons with impacts up to %.4g m/s (%s)\n", choice->speed,
             choice->speed_given ? "given"
                                 : "estimated from velocities, motions and heights; set time.speed if you know better");

@@ -1,6 +1,6 @@
 /* Save and restore: the whole state of a run, so that what follows is the same in every bit as without the break.
  *
- * The file: a line of text, a mark of the machine's byte order, a fingerprint of the scene, then the state as it stands in
+ * The file: a line of text, a mark of the machine's byte order, fingerprints of the scene, then the state as it stands in
  * memory, and a hash of all that went before. */
 #include "engine/hash.h"
 #include "engine/scene.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[24] = "scree state 1\n";
+static const char magic[24] = "scree state 2\n";
 static const uint64_t byte_order_mark = 0x0102030405060708u;
 
 /* One remembered contact. */
@@ -21,8 +21,10 @@ struct memory {
 /* The scene's scalars that change while it runs. */
 struct scalars {
     long steps;
+    double step;
     double driven, first_energy, lost_normal, work_tangential, deepest, steepest;
     int deepest_ball, deepest_host, steepest_ball, steepest_host;
+    int energy; /* the books were kept */
 };
 
 struct stream {
@@ -42,31 +44,126 @@ static void get(struct stream *s, void *data, size_t size) {
     s->hash = scree_hash_on(s->hash, data, size);
 }
 
-/* What makes a state belong to a scene: bodies, laws, step. */
-static uint64_t fingerprint(const scree_scene *scene) {
+/* ---- what makes a state belong to a scene ---- */
+
+/* Fingerprints of all that decides how the state goes on, part by part, so that a message can say what differs. Output, the
+ * time at which a run ends, and threads are free to change; the step is looked at apart. */
+enum { PRINT_BODIES, PRINT_START, PRINT_CONTACTS, PRINT_MOTIONS, PRINT_GRAVITY, PRINT_INTEGRATOR, PRINTS };
+
+static const char *const print_names[PRINTS] = {
+    "bodies or their joints", "start positions or velocities", "contacts", "motions", "gravity", "integrator"};
+
+struct prints {
+    uint64_t of[PRINTS];
+};
+
+#define HASH_ON(hash, value) ((hash) = scree_hash_on((hash), &(value), sizeof(value)))
+
+static uint64_t hash_name(uint64_t hash, const char *name) { return scree_hash_on(hash, name, strlen(name) + 1); }
+
+static uint64_t print_bodies(const scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
-    uint64_t hash = scree_hash_on(scree_hash_start, &scene->step, sizeof scene->step);
-    hash = scree_hash_on(hash, &bodies->count, sizeof bodies->count);
+    uint64_t hash = scree_hash_start;
+    HASH_ON(hash, bodies->count);
     for (int k = 0; k < bodies->count; k++) {
         const scree_joint *joint = &bodies->joint[k];
-        hash = scree_hash_on(hash, bodies->name[k], strlen(bodies->name[k]) + 1);
-        hash = scree_hash_on(hash, bodies->inertia[k].inverse_mass, sizeof bodies->inertia[k].inverse_mass);
-        hash = scree_hash_on(hash, bodies->inertia[k].moments, sizeof bodies->inertia[k].moments);
-        hash = scree_hash_on(hash, joint->along, sizeof joint->along);
-        hash = scree_hash_on(hash, &joint->turn, sizeof joint->turn);
-        hash = scree_hash_on(hash, &bodies->shape[k].kind, sizeof bodies->shape[k].kind);
-        hash = scree_hash_on(hash, bodies->shape[k].edge, sizeof bodies->shape[k].edge);
-        hash = scree_hash_on(hash, &bodies->record[k].radius, sizeof bodies->record[k].radius);
-        hash = scree_hash_on(hash, &bodies->material[k], sizeof bodies->material[k]);
-    }
-    for (int k = 0; k < scene->contacts.rules; k++) {
-        const struct scree_rule *rule = &scene->contacts.rule[k];
-        hash = scree_hash_on(hash, &rule->normal, sizeof rule->normal);
-        hash = scree_hash_on(hash, &rule->friction, sizeof rule->friction);
-        hash = scree_hash_on(hash, &rule->normal_constants, sizeof rule->normal_constants);
-        hash = scree_hash_on(hash, &rule->friction_constants, sizeof rule->friction_constants);
+        const scree_shape *shape = &bodies->shape[k];
+        hash = hash_name(hash, bodies->name[k]);
+        hash = hash_name(hash, scene->material[bodies->material[k]].name);
+        HASH_ON(hash, shape->kind);
+        HASH_ON(hash, shape->radius);
+        HASH_ON(hash, shape->edge);
+        HASH_ON(hash, shape->rounding);
+        HASH_ON(hash, bodies->inertia[k].inverse_mass);
+        HASH_ON(hash, bodies->inertia[k].moments);
+        HASH_ON(hash, joint->along);
+        for (int axis = 0; axis < 3; axis++)
+            if (joint->along[axis] == SCREE_DRIVEN) HASH_ON(hash, joint->along_motion[axis]);
+        HASH_ON(hash, joint->turn);
+        if (joint->turn == SCREE_DRIVEN) HASH_ON(hash, joint->turn_motion);
+        HASH_ON(hash, joint->axis);
     }
     return hash;
+}
+
+/* The state replaces where free bodies start, but not where fixed ones are and driven ones count from; and whoever changes
+ * a start means another run. */
+static uint64_t print_start(const scree_scene *scene) {
+    uint64_t hash = scree_hash_start;
+    for (int k = 0; k < scene->defs; k++) {
+        HASH_ON(hash, scene->def[k].position);
+        HASH_ON(hash, scene->def[k].orientation);
+        HASH_ON(hash, scene->def[k].velocity);
+        HASH_ON(hash, scene->def[k].spin);
+    }
+    return hash;
+}
+
+static uint64_t print_contacts(const scree_scene *scene) {
+    uint64_t hash = scree_hash_start;
+    for (int k = 0; k < scene->contacts.rules; k++) {
+        const struct scree_rule *rule = &scene->contacts.rule[k];
+        hash = hash_name(hash, scene->material[rule->material[0]].name);
+        hash = hash_name(hash, scene->material[rule->material[1]].name);
+        HASH_ON(hash, rule->touches);
+        if (!rule->touches) continue;
+        hash = hash_name(hash, scree_normal_laws[rule->normal]->text.name);
+        hash = hash_name(hash, rule->friction >= 0 ? scree_friction_laws[rule->friction]->text.name : "");
+        HASH_ON(hash, rule->share);
+        HASH_ON(hash, rule->normal_constants);
+        HASH_ON(hash, rule->friction_constants);
+    }
+    return hash;
+}
+
+static uint64_t print_motions(const scree_scene *scene) {
+    uint64_t hash = scree_hash_start;
+    for (int k = 0; k < scene->bodies.motions; k++) {
+        const struct scree_motion *motion = &scene->bodies.motion[k];
+        HASH_ON(hash, motion->count);
+        hash = scree_hash_on(hash, motion->pieces, (size_t)motion->count * sizeof *motion->pieces);
+    }
+    return hash;
+}
+
+static uint64_t print_gravity(const scree_scene *scene) {
+    const scree_gravity_def *gravity = &scene->gravity;
+    uint64_t hash = scree_hash_start;
+    HASH_ON(hash, gravity->vector);
+    HASH_ON(hash, gravity->tilts);
+    if (!gravity->tilts) return hash;
+    HASH_ON(hash, gravity->tilt);
+    HASH_ON(hash, gravity->axis);
+    return hash;
+}
+
+static struct prints prints_of(const scree_scene *scene) {
+    struct prints prints = {{0}};
+    prints.of[PRINT_BODIES] = print_bodies(scene);
+    prints.of[PRINT_START] = print_start(scene);
+    prints.of[PRINT_CONTACTS] = print_contacts(scene);
+    prints.of[PRINT_MOTIONS] = print_motions(scene);
+    prints.of[PRINT_GRAVITY] = print_gravity(scene);
+    prints.of[PRINT_INTEGRATOR] = (uint64_t)scene->time.integrator;
+    return prints;
+}
+
+/* SCREE_BAD_INPUT if the state is of another scene, with what differs. */
+static scree_status compare(scree_scene *scene, const struct prints *stored, double step, const char *name) {
+    struct prints own = prints_of(scene);
+    char differs[256] = "";
+    for (int k = 0; k < PRINTS; k++) {
+        if (stored->of[k] == own.of[k]) continue;
+        size_t length = strlen(differs);
+        snprintf(differs + length, sizeof differs - length, "%s%s", length ? ", " : "", print_names[k]);
+    }
+    if (differs[0])
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
+                            "%s: this state belongs to another scene; what differs: %s", name, differs);
+    if (scene->plan.choice.automatic || step == scene->step) return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
+                        "%s: this state belongs to another scene: its step is %.17g s, not %.17g s", name, step,
+                        scene->step);
 }
 
 /* ---- contact memory as a list ---- */
@@ -125,6 +222,8 @@ static struct scalars scalars_of(const scree_scene *scene) {
     struct scalars scalars;
     memset(&scalars, 0, sizeof scalars);
     scalars.steps = scene->steps;
+    scalars.step = scene->step;
+    scalars.energy = scene->time.energy;
     scalars.driven = scene->driven;
     scalars.first_energy = scene->first_energy;
     scalars.lost_normal = contacts->lost_normal;
@@ -141,6 +240,7 @@ static struct scalars scalars_of(const scree_scene *scene) {
 static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
     struct scree_contacts *contacts = &scene->contacts;
     scene->steps = scalars->steps;
+    scene->step = scene->plan.choice.step = scalars->step;
     scene->driven = scalars->driven;
     scene->first_energy = scalars->first_energy;
     contacts->lost_normal = scalars->lost_normal;
@@ -158,11 +258,11 @@ scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) 
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be saved");
     struct stream s = {.file = file, .hash = scree_hash_start};
     struct scalars scalars = scalars_of(scene);
-    uint64_t print = fingerprint(scene);
+    struct prints prints = prints_of(scene);
     long memories = count_memories(scene);
     put(&s, magic, sizeof magic);
     put(&s, &byte_order_mark, sizeof byte_order_mark);
-    put(&s, &print, sizeof print);
+    put(&s, &prints, sizeof prints);
     put(&s, &scalars, sizeof scalars);
     put(&s, &memories, sizeof memories);
     for (int k = 0; k < scene->bodies.count; k++) {
@@ -174,6 +274,19 @@ scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) 
     put(&s, &hash, sizeof hash);
     if (s.failed) return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: can't be written", name);
     return SCREE_OK;
+}
+
+/* Books that the state doesn't hold begin with it. */
+static scree_status begin_books(scree_scene *scene) {
+    struct scree_contacts *contacts = &scene->contacts;
+    scree_energy energy;
+    scene->driven = scene->first_energy = contacts->lost_normal = contacts->work_tangential = 0.0;
+    scree_status status = scree_scene_energy(scene, &energy);
+    if (status) return status;
+    contacts->work_tangential = -energy.lost_tangential; /* what tangential springs hold now isn't lost */
+    status = scree_scene_energy(scene, &energy);
+    scene->first_energy = energy.balance;
+    return status;
 }
 
 static scree_status apply(scree_scene *scene, const struct scalars *scalars, const struct body_part *part,
@@ -190,6 +303,8 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
         memcpy(bodies->record[k].f, part[k].f, sizeof part[k].f);
         memcpy(bodies->record[k].t, part[k].t, sizeof part[k].t);
     }
+    scene->books_begun = scene->time.energy && !scalars->energy;
+    if (!status && scene->books_begun) status = begin_books(scene);
     return status;
 }
 
@@ -218,7 +333,8 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be restored");
     struct stream s = {.file = file, .hash = scree_hash_start};
     char head[sizeof magic];
-    uint64_t mark = 0, print = 0;
+    uint64_t mark = 0;
+    struct prints prints;
     struct scalars scalars;
     long memories = 0;
     get(&s, head, sizeof head);
@@ -226,16 +342,17 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     if (s.failed || memcmp(head, magic, sizeof magic) != 0 || mark != byte_order_mark)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                             "%s: this is no state file of this version of scree and this kind of machine", name);
-    get(&s, &print, sizeof print);
+    get(&s, &prints, sizeof prints);
     get(&s, &scalars, sizeof scalars);
     get(&s, &memories, sizeof memories);
-    if (!s.failed && print != fingerprint(scene))
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
-                            "%s: this state belongs to another scene (other bodies, laws or step)", name);
+    if (s.failed)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "%s: this state file is incomplete", name);
+    scree_status status = compare(scene, &prints, scalars.step, name);
+    if (status) return status;
     if (memories < 0 || memories > 2000000000L) memories = 0; /* damaged: the hash will tell */
     struct body_part *part = calloc((size_t)scene->bodies.count + 1, sizeof *part);
     struct memory *memory = calloc((size_t)memories + 1, sizeof *memory);
-    scree_status status = read_rest(scene, &s, name, part, memory, memories);
+    status = read_rest(scene, &s, name, part, memory, memories);
     if (!status) status = apply(scene, &scalars, part, memory, memories);
     free(part);
     free(memory);

@@ -207,6 +207,11 @@ static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
     if (joint->turn != SCREE_FREE && !is_zero(def->spin))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "spin",
                             "body \"%s\" has a spin though its joint fixes or drives its turning", def->name);
+    struct vec axis = vec_from(joint->axis), spin = vec_from(def->spin);
+    /* 1e-9: an axis and a spin given in decimals are parallel to rounding. */
+    if (joint->turn == SCREE_FREE && vec_norm(vec_cross(axis, spin)) > 1e-9 * vec_norm(axis) * vec_norm(spin))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "spin",
+                            "the spin of body \"%s\" isn't about the axis of its hinge", def->name);
     if (!is_direction(joint->axis) && (joint->turn == SCREE_DRIVEN || !is_zero(joint->axis)))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
                             "the axis of body \"%s\" gives no direction: a driven turn needs one, a hinge too",

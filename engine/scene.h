@@ -51,6 +51,7 @@ struct scree_scene {
     long steps;
     double driven;       /* J put in by drives and tilting so far */
     double first_energy; /* J at the start */
+    int books_begun;     /* the energy books begin at the state that was restored, which held none */
 };
 
 /* Gravity at a time, m/s^2. */

@@ -26,32 +26,22 @@ struct reader {
 
 /* ---- messages ---- */
 
-static void place(const struct reader *r, const struct scree_toml *node, char *text, size_t size) {
-    if (node && node->line)
-        snprintf(text, size, "%s:%d:%d", r->name, node->line, node->column);
-    else
-        snprintf(text, size, "%s", r->name);
-}
-
 SCREE_PRINTF(3, 4)
 static void complain(struct reader *r, const struct scree_toml *node, const char *format, ...) {
-    char where[256], text[512];
     va_list arguments;
     if (r->status) return;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, r->name, node ? node->line : 0, node ? node->column : 0,
+                                format, arguments);
     va_end(arguments);
-    place(r, node, where, sizeof where);
-    r->status = scree_report(r->trouble, SCREE_BAD_INPUT, NULL, "%s: %s", where, text);
 }
 
 /* Pass on what the library said of a definition that came from `table`. */
 static void check(struct reader *r, scree_status status, const struct scree_toml *table) {
     if (!status || r->status) return;
     const scree_trouble *cause = scree_scene_trouble(r->scene);
-    char where[256];
-    place(r, table ? scree_toml_nearest(table, cause->field) : NULL, where, sizeof where);
-    r->status = scree_report(r->trouble, status, NULL, "%s: %s", where, cause->text);
+    complain(r, table ? scree_toml_nearest(table, cause->field) : NULL, "%s", cause->text);
+    r->status = r->trouble->status = status;
 }
 
 /* ---- typed access ---- */
@@ -236,13 +226,67 @@ static char *beside_scene(const struct reader *r, const char *file) {
 
 enum { LARGEST_TABLE = 1 << 30 };
 
+/* The columns of a motion table, with the names that they may have: the quantity, or the quantity and its unit. */
+static const struct {
+    const char *quantity, *names[4];
+} motion_columns[] = {{"time", {"time", "time_s"}},
+                      {"position", {"position", "position_m", "position_rad"}},
+                      {"velocity", {"velocity", "velocity_m_s", "velocity_rad_s"}},
+                      {"acceleration", {"acceleration", "acceleration_m_s2", "acceleration_rad_s2"}}};
+
+enum { MOTION_COLUMNS = sizeof motion_columns / sizeof motion_columns[0] };
+
+SCREE_PRINTF(5, 6)
+static void complain_in_table(struct reader *r, const char *path, int line, int column, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, path, line, column, format, arguments);
+    va_end(arguments);
+}
+
+/* A column that would be taken for something else, or passed over, is refused: "time_ms", "velocty", a second time. */
+static void check_motion_columns(struct reader *r, const char *path, const struct scree_table *table) {
+    int seen[MOTION_COLUMNS] = {0};
+    for (int k = 0; k < table->columns && !r->status; k++) {
+        const char *all[4 * MOTION_COLUMNS] = {0};
+        int found = -1, count = 0;
+        for (int m = 0; m < MOTION_COLUMNS; m++)
+            for (int n = 0; motion_columns[m].names[n]; n++) {
+                all[count++] = motion_columns[m].names[n];
+                if (strcmp(table->name[k], motion_columns[m].names[n]) == 0) found = m;
+            }
+        if (found < 0)
+            complain_in_table(
+                r, path, table->header, table->at[k],
+                "there is no column \"%s\" in a motion table: it has time_s, position_m (or position_rad) "
+                "and, if wanted, velocity_m_s and acceleration_m_s2 (or …_rad_…), in these units%s",
+                table->name[k], scree_hint(table->name[k], all).text);
+        else if (seen[found]++)
+            complain_in_table(r, path, table->header, table->at[k], "two columns for the %s",
+                              motion_columns[found].quantity);
+    }
+    for (int m = 0; m < 2 && !r->status; m++)
+        if (!seen[m])
+            complain_in_table(r, path, table->header, 1,
+                              "the table needs the columns time_s and position_m (or position_rad)");
+    if (!r->status && seen[3] && !seen[2])
+        complain_in_table(r, path, table->header, 1, "the accelerations of a motion count only beside velocities");
+    if (!r->status && table->rows < 2)
+        complain_in_table(r, path, 0, 0, "a motion needs at least 2 rows of numbers, this table has %zu", table->rows);
+}
+
 static void read_table_file(struct reader *r, const struct scree_toml *node, struct scree_table *table) {
+    if (!node->string[0] || strcmp(node->string, "-") == 0) {
+        complain(r, node, "file must name a table (standard input can't be one)");
+        return;
+    }
     char *path = beside_scene(r, node->string);
     size_t size;
     char *text = path ? scree_read_file(path, LARGEST_TABLE, &size, r->trouble) : NULL;
     if (!path) r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
     if (path && !text) r->status = r->trouble->status;
-    if (text) r->status = scree_table_parse(text, path, table, r->trouble);
+    if (text) r->status = scree_table_parse(text, size, path, "time", table, r->trouble);
+    if (!r->status) check_motion_columns(r, path, table);
     free(text);
     free(path);
 }
@@ -270,7 +314,11 @@ static void read_rows(struct reader *r, const struct scree_toml *rows, struct sc
         int k = 0;
         for (const struct scree_toml *cell = row->first; cell; cell = cell->next, k++)
             table->column[k][table->rows] = number_of(r, cell, names[k]);
-        table->rows++;
+        size_t n = table->rows++;
+        const double *time = table->column[0];
+        if (n > 0 && !(time[n] > time[n - 1]))
+            complain(r, row, "the times of a motion table must increase: row %zu has %g s after %g s", n + 1, time[n],
+                     time[n - 1]);
     }
 }
 
@@ -293,27 +341,44 @@ static void read_motion_table(struct reader *r, const struct scree_toml *table, 
     def->positions = scree_table_column(columns, "position");
     def->velocities = scree_table_column(columns, "velocity");
     def->accelerations = scree_table_column(columns, "acceleration");
-    if (!def->times || !def->positions) {
-        complain(r, file, "the table needs the columns time and position (units may follow: time_s, position_m)");
-        return;
-    }
     def->table = def->velocities ? (def->accelerations ? SCREE_TABLE_QUINTIC : SCREE_TABLE_CUBIC) : SCREE_TABLE_LINEAR;
     const struct scree_toml *law = scree_toml_get(table, "interpolation");
     if (law) def->table = (scree_table_law)choose(r, law, "interpolation", laws);
 }
 
-static void read_motion(struct reader *r, const struct scree_toml *table) {
-    static const char *const keys[] = {"name",     "kind",   "offset", "start",         "duration",
-                                       "velocity", "stroke", "law",    "amplitude",     "frequency",
-                                       "phase",    "rows",   "file",   "interpolation", NULL};
-    static const char *const kinds[] = {"velocity", "rise", "sine", "table", NULL};
-    static const char *const rises[] = {"quintic", "cycloid", NULL};
-    check_keys(r, table, "[[motion]]", keys);
-    const struct scree_toml *kind = scree_toml_get(table, "kind"), *law = scree_toml_get(table, "law");
+/* Keys of each kind of motion, in the order of scree_motion_kind; `needs`: without it nothing would move. */
+static const struct {
+    const char *kind, *needs, *keys[9];
+} motion_kinds[] = {
+    {"velocity", "velocity", {"name", "kind", "offset", "start", "duration", "velocity"}},
+    {"rise", "stroke", {"name", "kind", "offset", "start", "duration", "stroke", "law"}},
+    {"sine", "amplitude", {"name", "kind", "offset", "start", "duration", "amplitude", "frequency", "phase"}},
+    {"table", NULL, {"name", "kind", "rows", "file", "interpolation"}}};
+
+/* The kind of a motion; its keys are checked: one of another kind would be without effect. */
+static scree_motion_kind read_motion_kind(struct reader *r, const struct scree_toml *table) {
+    enum { KINDS = sizeof motion_kinds / sizeof motion_kinds[0] };
+    const char *kinds[KINDS + 1] = {0};
+    for (int k = 0; k < KINDS; k++) kinds[k] = motion_kinds[k].kind;
+    const struct scree_toml *kind = scree_toml_get(table, "kind");
     if (!kind) complain(r, table, "a motion needs a kind: \"velocity\", \"rise\", \"sine\" or \"table\"");
+    int index = kind ? choose(r, kind, "kind", kinds) : 0;
+    if (r->status) return SCREE_MOTION_VELOCITY;
+    char what[64];
+    snprintf(what, sizeof what, "a [[motion]] of kind \"%s\"", kinds[index]);
+    check_keys(r, table, what, motion_kinds[index].keys);
+    const char *needs = motion_kinds[index].needs;
+    if (needs && !scree_toml_get(table, needs)) complain(r, table, "%s needs %s", what, needs);
+    return (scree_motion_kind)index;
+}
+
+static void read_motion(struct reader *r, const struct scree_toml *table) {
+    static const char *const rises[] = {"quintic", "cycloid", NULL};
+    scree_motion_kind kind = read_motion_kind(r, table);
     if (r->status) return;
+    const struct scree_toml *law = scree_toml_get(table, "law");
     scree_motion_def def = {.name = read_string(r, table, "name"),
-                            .kind = (scree_motion_kind)choose(r, kind, "kind", kinds),
+                            .kind = kind,
                             .offset = read_number(r, table, "offset", 0.0),
                             .start = read_number(r, table, "start", 0.0),
                             .duration = read_number(r, table, "duration", 0.0),
@@ -343,6 +408,8 @@ static void read_gravity(struct reader *r) {
         const struct scree_toml *tilt = scree_toml_get(node, "tilt");
         def.tilts = tilt != NULL;
         if (tilt) def.tilt = find_named(r, tilt, "motion", scree_scene_find_motion);
+        if (!tilt && scree_toml_get(node, "axis"))
+            complain(r, scree_toml_get(node, "axis"), "gravity has an axis only to tilt about: add tilt = \"motion\"");
     } else
         read_numbers(r, r->root, "gravity", 3, def.vector);
     if (!r->status) check(r, scree_scene_set_gravity(r->scene, &def), node);
@@ -419,9 +486,13 @@ static void read_turn(struct reader *r, const struct scree_toml *node, scree_joi
         return;
     }
     check_keys(r, node, "turn", keys);
-    const struct scree_toml *motion = scree_toml_get(node, "motion");
+    const struct scree_toml *motion = scree_toml_get(node, "motion"), *hinge = scree_toml_get(node, "hinge");
     if (read_numbers(r, node, "hinge", 3, joint->axis)) {
         joint->turn = SCREE_FREE;
+        if (motion || scree_toml_get(node, "axis"))
+            complain(r, node, "a turn has either a hinge, about which it is free, or an axis and a motion");
+        if (joint->axis[0] == 0.0 && joint->axis[1] == 0.0 && joint->axis[2] == 0.0)
+            complain(r, hinge, "the axis of a hinge must not be zero (turn = \"free\" turns about any axis)");
         return;
     }
     if (!read_numbers(r, node, "axis", 3, joint->axis) || !motion) {
@@ -485,7 +556,7 @@ static void read_time(struct reader *r) {
     const struct scree_toml *integrator = scree_toml_get(table, "integrator");
     r->end = read_number(r, table, "end", 0.0);
     if (!end || !(r->end > 0.0)) complain(r, end ? end : table, "[time] needs end = the simulated time in s, > 0");
-    scree_time_def def = {.divide = r->every > 0.0 ? r->every : r->end,
+    scree_time_def def = {.divide = r->every > 0.0 && r->every < r->end ? r->every : r->end,
                           .speed = read_number(r, table, "speed", 0.0),
                           .force = read_boolean(r, table, "force"),
                           .energy = (r->request->write & SCREE_WRITE_ENERGY) != 0};
@@ -531,6 +602,10 @@ static void read_output_bodies(struct reader *r) {
     const struct scree_toml *list = scree_toml_get(scree_toml_get(r->root, "output"), "bodies");
     if (!list) return;
     if (list->type != SCREE_TOML_ARRAY) complain(r, list, "bodies must be an array of names");
+    if (!r->status && list->count == 0)
+        complain(
+            r, list,
+            "bodies = [] would write none: leave bodies out for all that move, or bodies.csv out of write for none");
     if (r->status) return;
     r->request->body = malloc(((size_t)list->count + 1) * sizeof *r->request->body);
     if (!r->request->body) {
@@ -562,6 +637,25 @@ static void read_root(struct reader *r) {
 
 /* ---- the whole ---- */
 
+/* Steps that a run may have: up to here their number, and any time as a multiple of the step, is exact to rounding. */
+static const double most_steps = 1e15;
+
+long scree_steps_to(const scree_scene *scene, double time) {
+    return (long)ceil(time / scree_scene_step_length(scene) * (1.0 - 1e-12));
+}
+
+static void check_length(struct reader *r) {
+    double step = scree_scene_step_length(r->scene);
+    const struct scree_toml *every = scree_toml_get(scree_toml_get(r->root, "output"), "every");
+    const struct scree_toml *end = scree_toml_get(scree_toml_get(r->root, "time"), "end");
+    if (r->end / step > most_steps)
+        complain(r, end, "up to t = %g s it would take %.3g steps of %g s; the most is %g", r->end, r->end / step, step,
+                 most_steps);
+    /* 1e-9: the quotient of two numbers given in decimals. */
+    if (r->every > 0.0 && r->every < step * (1.0 - 1e-9))
+        complain(r, every, "rows every %g s are closer than the step of %g s", r->every, step);
+}
+
 static scree_status define(struct reader *r, struct scree_toml_document *document, const char *text, size_t size,
                            const char *const *assignments, int assignment_count) {
     r->status = scree_toml_parse(text, size, r->name, document, r->trouble);
@@ -574,7 +668,10 @@ static scree_status define(struct reader *r, struct scree_toml_document *documen
     read_root(r);
     if (r->status) return r->status;
     scree_status status = scree_scene_bake(r->scene);
-    if (!status) return SCREE_OK;
+    if (!status) {
+        check_length(r);
+        return r->status;
+    }
     /* Of what baking refuses, only the step stands in one place of the file. */
     const scree_trouble *cause = scree_scene_trouble(r->scene);
     const struct scree_toml *time = scree_toml_get(r->root, "time");

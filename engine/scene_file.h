@@ -27,6 +27,9 @@ scree_status scree_read_scene(const char *text, size_t size, const char *name, c
 scree_status scree_load_scene(const char *path, const char *const *assignments, int assignment_count, int threads,
                               scree_scene **scene, struct scree_run_request *request, scree_trouble *trouble);
 
+/* Steps from the start to the first instant that isn't before `time` (s). */
+long scree_steps_to(const scree_scene *scene, double time);
+
 void scree_free_request(struct scree_run_request *request);
 
 #endif

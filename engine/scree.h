@@ -39,7 +39,7 @@ typedef enum scree_integrator {
 } scree_integrator;
 
 typedef struct scree_time_def {
-    double step;   /* s; 0: chosen from the stiffest possible contact (1/50 of its duration), a little less so that
+    double step;   /* s; 0: chosen from the stiffest possible contact (1/50 of its duration), less so that
                      `divide` is a whole number of steps */
     double divide; /* s; 0: no such wish */
     scree_integrator integrator;
@@ -137,7 +137,8 @@ SCREE_API double scree_scene_steepest(const scree_scene *scene, int *ball, int *
 SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);
 
 /* Write the state to a file (`name` for messages), and read it into a baked scene of the same definition, which then
- * goes on as if never interrupted. SCREE_NO_FILE; SCREE_BAD_INPUT for a file of another scene or a damaged one (the
+ * goes on as if never interrupted: an automatic step is taken from the state; energy books that the state doesn't hold begin
+ * with it. SCREE_NO_FILE; SCREE_BAD_INPUT for a file of another scene (the message says what differs) or a damaged one (the
  * scene stays as it was). */
 SCREE_API scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name);
 SCREE_API scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *name);

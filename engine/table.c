@@ -1,19 +1,39 @@
 /* Tables of numbers in CSV. */
 #include "engine/table.h"
 
-#include <stdio.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* What the functions below share while one table is read. */
+struct reader {
+    const char *file, *rising;
+    char *rest; /* of the text */
+    int line;
+    const char *line_start;
+    struct scree_table *table;
+    scree_trouble *trouble;
+};
+
+SCREE_PRINTF(3, 4)
+static scree_status complain(const struct reader *r, const char *at, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    scree_report_at(r->trouble, SCREE_BAD_INPUT, r->file, r->line, (int)(at - r->line_start) + 1, format, arguments);
+    va_end(arguments);
+    return SCREE_BAD_INPUT;
+}
+
 /* Next line of the text, NULL at its end; cuts it off in place. */
-static char *next_line(char **rest, int *line) {
-    char *start = *rest;
-    if (!start || !*start) return NULL;
+static char *next_line(struct reader *r) {
+    char *start = r->rest;
+    if (!*start) return NULL;
     char *end = start + strcspn(start, "\n");
-    *rest = *end ? end + 1 : end;
+    r->rest = *end ? end + 1 : end;
     *end = '\0';
     if (end > start && end[-1] == '\r') end[-1] = '\0';
-    (*line)++;
+    r->line++;
+    r->line_start = start;
     return start;
 }
 
@@ -22,49 +42,70 @@ static int is_comment(const char *line) {
     return *line == '#' || *line == '\0';
 }
 
-static char *trim(char *cell) {
+/* Cut off the next cell of a line, without the blanks and the quotes around it; NULL behind the last. */
+static char *next_cell(char **line) {
+    char *cell = *line;
+    if (!cell) return NULL;
+    char *end = cell + strcspn(cell, ",");
+    *line = *end ? end + 1 : NULL;
+    *end = '\0';
     cell += strspn(cell, " \t");
-    for (size_t k = strlen(cell); k > 0 && (cell[k - 1] == ' ' || cell[k - 1] == '\t'); k--) cell[k - 1] = '\0';
-    return cell;
+    end = cell + strlen(cell);
+    while (end > cell && (end[-1] == ' ' || end[-1] == '\t')) *--end = '\0';
+    if (end - cell < 2 || *cell != '"' || end[-1] != '"') return cell;
+    end[-1] = '\0';
+    return cell + 1;
 }
 
-static scree_status parse_header(char *line, const char *file, int number, struct scree_table *table,
-                                 scree_trouble *trouble) {
-    for (char *cell = line, *comma; cell; cell = comma ? comma + 1 : NULL) {
-        comma = strchr(cell, ',');
-        if (comma) *comma = '\0';
-        char *name = trim(cell);
+/* A column is called `word` if that is its name, or its name up to the unit. */
+static int is_called(const char *name, const char *word) {
+    size_t length = strlen(word);
+    return strncmp(name, word, length) == 0 && (name[length] == '\0' || name[length] == '_');
+}
+
+static scree_status parse_header(struct reader *r, char *line) {
+    struct scree_table *table = r->table;
+    table->header = r->line;
+    for (char *name; (name = next_cell(&line));) {
         if (table->columns == SCREE_TABLE_COLUMNS)
-            return scree_report(trouble, SCREE_BAD_INPUT, NULL, "%s:%d: more than %d columns", file, number,
-                                SCREE_TABLE_COLUMNS);
+            return complain(r, name, "more than %d columns", SCREE_TABLE_COLUMNS);
         if (!*name || strchr("+-.0123456789", *name))
-            return scree_report(trouble, SCREE_BAD_INPUT, NULL,
-                                "%s:%d: expected a header that names the columns, such as \"time_s,position_m\"", file,
-                                number);
+            return complain(r, name, "expected a header that names the columns, such as \"time_s,position_m\"");
+        for (int k = 0; k < table->columns; k++)
+            if (strcmp(table->name[k], name) == 0) return complain(r, name, "there are two columns \"%s\"", name);
+        table->at[table->columns] = (int)(name - r->line_start) + 1;
         table->name[table->columns] = strdup(name);
-        if (!table->name[table->columns]) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
+        if (!table->name[table->columns])
+            return scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
         table->columns++;
     }
     return SCREE_OK;
 }
 
-static scree_status parse_row(char *line, const char *file, int number, struct scree_table *table,
-                              scree_trouble *trouble) {
-    char *at = line;
-    for (int k = 0; k < table->columns; k++) {
-        char *end;
-        double value = strtod(at, &end);
-        int empty = end == at;
-        end += strspn(end, " \t");
-        int last = k + 1 == table->columns;
-        if (empty || (*end != ',' && *end != '\0') || (last && *end == ',') || (!last && *end == '\0')) {
-            const char *what = empty || (*end != ',' && *end != '\0') ? "this is no number" : "wrong number of columns";
-            return scree_report(trouble, SCREE_BAD_INPUT, NULL, "%s:%d:%d: %s; expected %d numbers (%s …)", file,
-                                number, (int)(at - line) + 1, what, table->columns, table->name[0]);
-        }
-        table->column[k][table->rows] = value;
-        at = end + 1;
+/* Digits, point, sign and exponent: neither hexadecimal nor infinite nor "nan". */
+static int parse_number(const char *cell, double *value) {
+    char *end;
+    *value = strtod(cell, &end);
+    return *cell && !*end && cell[strspn(cell, "+-.0123456789eE")] == '\0' && *value - *value == 0.0;
+}
+
+static scree_status parse_row(struct reader *r, char *line) {
+    struct scree_table *table = r->table;
+    int k = 0;
+    for (char *cell; (cell = next_cell(&line)); k++) {
+        if (k == table->columns)
+            return complain(r, cell, "wrong number of columns: expected %d (%s …)", table->columns, table->name[0]);
+        double *column = table->column[k];
+        if (!parse_number(cell, &column[table->rows]))
+            return complain(r, cell, "\"%s\" is no number; expected a finite decimal one for %s", cell, table->name[k]);
+        if (r->rising && table->rows > 0 && is_called(table->name[k], r->rising) &&
+            !(column[table->rows] > column[table->rows - 1]))
+            return complain(r, cell, "%s must increase: %.9g after %.9g", table->name[k], column[table->rows],
+                            column[table->rows - 1]);
     }
+    if (k < table->columns)
+        return complain(r, r->line_start, "wrong number of columns: %d, expected %d (%s …)", k, table->columns,
+                        table->name[0]);
     table->rows++;
     return SCREE_OK;
 }
@@ -75,25 +116,48 @@ static size_t count_lines(const char *text) {
     return lines;
 }
 
-scree_status scree_table_parse(char *text, const char *file, struct scree_table *table, scree_trouble *trouble) {
-    *table = (struct scree_table){0};
-    size_t most = count_lines(text);
-    int number = 0;
-    char *line;
+/* A NUL would end the text for the functions below: say where it is. */
+static scree_status check_no_nul(struct reader *r, size_t size) {
+    const char *end = r->rest + strlen(r->rest), *c = r->rest;
+    if (end == r->rest + size) return SCREE_OK;
+    r->line = 1;
+    for (r->line_start = c; c < end; c++) {
+        if (*c != '\n') continue;
+        r->line++;
+        r->line_start = c + 1;
+    }
+    return complain(r, end, "this is no text: a byte 0");
+}
+
+static scree_status parse_lines(struct reader *r) {
+    struct scree_table *table = r->table;
+    size_t most = count_lines(r->rest);
     scree_status status = SCREE_OK;
-    while (!status && (line = next_line(&text, &number))) {
+    for (char *line; !status && (line = next_line(r));) {
         if (is_comment(line)) continue;
-        if (table->columns == 0) {
-            status = parse_header(line, file, number, table, trouble);
-            for (int k = 0; !status && k < table->columns; k++) {
-                table->column[k] = malloc(most * sizeof(double));
-                if (!table->column[k]) status = scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
-            }
-        } else
-            status = parse_row(line, file, number, table, trouble);
+        if (table->columns > 0) {
+            status = parse_row(r, line);
+            continue;
+        }
+        status = parse_header(r, line);
+        for (int k = 0; !status && k < table->columns; k++) {
+            table->column[k] = malloc(most * sizeof(double));
+            if (!table->column[k]) status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
+        }
     }
     if (!status && table->columns == 0)
-        status = scree_report(trouble, SCREE_BAD_INPUT, NULL, "%s: this table is empty", file);
+        status = scree_report(r->trouble, SCREE_BAD_INPUT, NULL, "%s: this table is empty", r->file);
+    return status;
+}
+
+scree_status scree_table_parse(char *text, size_t size, const char *file, const char *rising, struct scree_table *table,
+                               scree_trouble *trouble) {
+    struct reader r = {.file = file, .rising = rising, .rest = text, .table = table, .trouble = trouble};
+    *table = (struct scree_table){0};
+    scree_status status = check_no_nul(&r, size);
+    r.line = 0;
+    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) r.rest += 3;
+    if (!status) status = parse_lines(&r);
     if (status) scree_table_free(table);
     return status;
 }
@@ -107,10 +171,7 @@ void scree_table_free(struct scree_table *table) {
 }
 
 const double *scree_table_column(const struct scree_table *table, const char *name) {
-    size_t length = strlen(name);
     for (int k = 0; k < table->columns; k++)
-        if (strncmp(table->name[k], name, length) == 0 &&
-            (table->name[k][length] == '\0' || table->name[k][length] == '_'))
-            return table->column[k];
+        if (is_called(table->name[k], name)) return table->column[k];
     return NULL;
 }

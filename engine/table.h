@@ -1,5 +1,5 @@
-/* Tables of numbers in CSV: a header line that names the columns, then rows of numbers. Lines that begin with # and empty
- * lines are skipped. */
+/* Tables of numbers in CSV: a header line that names the columns, then rows of decimal numbers. A byte order mark, quotes
+ * around a cell, lines that begin with # and empty lines are skipped. */
 #ifndef SCREE_ENGINE_TABLE_H
 #define SCREE_ENGINE_TABLE_H
 
@@ -13,12 +13,16 @@ enum { SCREE_TABLE_COLUMNS = 32 };
 struct scree_table {
     int columns;
     size_t rows;
-    char *name[SCREE_TABLE_COLUMNS];     /* as in the header, without blanks */
+    int header;                          /* line of the header */
+    int at[SCREE_TABLE_COLUMNS];         /* where each name begins on it, from 1 */
+    char *name[SCREE_TABLE_COLUMNS];     /* as in the header, without blanks and quotes */
     double *column[SCREE_TABLE_COLUMNS]; /* rows entries */
 };
 
-/* Parse `text` (NUL-terminated, changed). SCREE_BAD_INPUT names file, line and column of a bad cell. */
-scree_status scree_table_parse(char *text, const char *file, struct scree_table *table, scree_trouble *trouble);
+/* Parse `size` bytes of `text` (followed by a NUL; changed). `rising` names a column whose numbers must increase, NULL: none.
+ * SCREE_BAD_INPUT names file, line and column of a bad cell. */
+scree_status scree_table_parse(char *text, size_t size, const char *file, const char *rising, struct scree_table *table,
+                               scree_trouble *trouble);
 void scree_table_free(struct scree_table *table);
 
 /* Column whose name is `name` or begins with `name` and an underscore (a unit follows); NULL if there is none. */

@@ -51,14 +51,11 @@ static void *take(struct scree_toml_document *document, size_t size) {
 
 SCREE_PRINTF(4, 5)
 static scree_status complain_at(struct parser *p, int line, int column, const char *format, ...) {
-    char text[512];
     va_list arguments;
     if (p->status) return p->status;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    p->status = scree_report_at(p->trouble, SCREE_BAD_INPUT, p->name, line, column, format, arguments);
     va_end(arguments);
-    p->status = line ? scree_report(p->trouble, SCREE_BAD_INPUT, NULL, "%s:%d:%d: %s", p->name, line, column, text)
-                     : scree_report(p->trouble, SCREE_BAD_INPUT, NULL, "%s: %s", p->name, text);
     return p->status;
 }
 
@@ -606,7 +603,7 @@ scree_status scree_toml_parse(const char *text, size_t size, const char *name, s
                             name, size >> 20, SCREE_TOML_LARGEST >> 20);
     struct parser p = start(text, size, name, document, trouble);
     document->root = new_node(&p, SCREE_TOML_TABLE);
-    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) p.at += 3;
+    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) p.line_start = p.at += 3; /* a byte order mark */
     if (!p.status) check_utf8(&p);
     if (!p.status) parse_document(&p);
     return p.status;

@@ -398,6 +398,115 @@ static void test_same_bits(void) {
     free(text);
 }
 
+/* ---- what a state belongs to ---- */
+
+/* A scene with every part that decides how it goes on: contacts that remember, a drive, a hinge, tilting gravity. */
+static const char parts_text[] =
+    "gravity = { vector = [0, 0, -9.81], axis = [0, 1, 0], tilt = \"tip\" }\n[time]\nend = 0.1\n"
+    "[[material]]\nname = \"ball\"\ndensity = 1000\n[[material]]\nname = \"wall\"\n"
+    "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnone = true\n"
+    "[[contact]]\nbetween = [\"ball\", \"wall\"]\nnormal = { law = \"linear-cut\", stiffness = 5e3, restitution = 0.7 "
+    "}\n"
+    "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 4e3 }\n"
+    "[[motion]]\nname = \"tip\"\nkind = \"velocity\"\nvelocity = 0.3\n"
+    "[[motion]]\nname = \"shake\"\nkind = \"sine\"\namplitude = 1e-4\nfrequency = 20\n"
+    "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = { x = \"shake\", others = "
+    "\"fixed\" }\n"
+    "[[body]]\nname = \"a\"\nshape = { sphere = 0.02 }\nmaterial = \"ball\"\nposition = [0, 0, 0.0199]\n"
+    "velocity = [0.2, 0, 0]\n"
+    "[[body]]\nname = \"b\"\nshape = { box = [0.03, 0.04, 0.05] }\nmaterial = \"ball\"\nposition = [0.3, 0, 0.1]\n"
+    "joint = { turn = { hinge = [0, 0, 1] }, others = \"fixed\" }\nspin = [0, 0, 2]\n";
+
+/* Restore a saved state into the scene as changed; the scene, for further looks. */
+static scree_scene *restore_into(FILE *file, const char *change, scree_status expected) {
+    scree_scene *scene = scene_from(parts_text, &change, change ? 1 : 0, 0);
+    rewind(file);
+    CHECK(scree_scene_restore(scene, file, "memory") == expected);
+    return scene;
+}
+
+static void test_other_scenes(void) {
+    static const char *const refused[][2] = {
+        {"gravity.vector=[0.0, 0.0, -9.8]", "what differs: gravity"},
+        {"gravity.axis=[1, 0, 0]", "what differs: gravity"},
+        {"gravity=[0.0, 0.0, -9.81]", "what differs: gravity"},
+        {"motion.tip.velocity=0.2", "what differs: motions"},
+        {"motion.shake.phase=0.1", "what differs: motions"},
+        {"contact.0={between=[\"ball\", \"ball\"], normal={law=\"linear-cut\", stiffness=5e3, restitution=0.7}}",
+         "what differs: contacts"},
+        {"contact.1.none=true", "what differs: contacts"},
+        {"contact.1.shared_by=2", "what differs: contacts"},
+        {"contact.1.normal.law=\"linear\"", "what differs: contacts"},
+        {"body.b.joint.turn.hinge=[0, 0, -1]", "what differs: bodies or their joints"},
+        {"body.b.mass=3.0", "what differs: bodies or their joints"},
+        {"body.b.shape.rounding=0.001", "what differs: bodies or their joints"},
+        {"body.floor.joint.x=\"tip\"", "what differs: bodies or their joints"},
+        {"body.b.orientation={axis=[0, 0, 1], angle=0.1}", "what differs: start positions"},
+        {"body.floor.position=[0.1, 0.0, 0.0]", "what differs: start positions"},
+        {"time.step=1e-5", "its step is"},
+    };
+    scree_scene *scene = scene_from(parts_text, NULL, 0, 0);
+    FILE *file = tmpfile();
+    go(scene, 50);
+    CHECK(scree_scene_save(scene, file, "memory") == SCREE_OK);
+    for (size_t k = 0; k < sizeof refused / sizeof refused[0]; k++) {
+        scree_scene *other = restore_into(file, refused[k][0], SCREE_BAD_INPUT);
+        CONTAINS(scree_scene_trouble(other)->text, "another scene");
+        CONTAINS(scree_scene_trouble(other)->text, refused[k][1]);
+        scree_scene_destroy(other);
+    }
+    /* What may change: the end (here the automatic step would change with it), the output, the threads. */
+    static const char *const allowed[] = {NULL, "time.end=0.17", "output={write=[], every=0.0123}", "time.threads=2",
+                                          "title=\"x\""};
+    go(scene, 200);
+    for (size_t k = 0; k < sizeof allowed / sizeof allowed[0]; k++) {
+        scree_scene *other = restore_into(file, allowed[k], SCREE_OK);
+        CHECK(scree_scene_step_length(other) == scree_scene_step_length(scene));
+        go(other, 200);
+        CHECK(scree_scene_hash(other) == scree_scene_hash(scene));
+        scree_scene_destroy(other);
+    }
+    fclose(file);
+    scree_scene_destroy(scene);
+}
+
+/* Books that begin at a state which holds none are those of a run that starts there: they close. */
+static void test_books_begin(void) {
+    const char *energy = "output={write=[\"energy.csv\"]}";
+    scree_scene *plain = scene_from(parts_text, NULL, 0, 0), *kept = scene_from(parts_text, &energy, 1, 0);
+    FILE *file = tmpfile();
+    go(plain, 300);
+    go(kept, 300);
+    CHECK(scree_scene_save(plain, file, "memory") == SCREE_OK);
+    scree_scene *begun = restore_into(file, energy, SCREE_OK);
+    scree_energy before, after, now;
+    CHECK(begun->books_begun);
+    CHECK(scree_scene_energy(begun, &now) == SCREE_OK && scree_scene_energy(kept, &before) == SCREE_OK);
+    CHECK(now.stored > 0.0 && now.lost_normal == 0.0 && now.lost_tangential == 0.0 && now.driven == 0.0 &&
+          now.balance == 0.0);
+    go(begun, 300);
+    go(kept, 300);
+    CHECK(scree_scene_energy(begun, &now) == SCREE_OK && scree_scene_energy(kept, &after) == SCREE_OK);
+    /* Both sum up the same terms, from other starts: rounding of some hundred sums of about 0.1 J. */
+    NEAR(now.lost_normal, after.lost_normal - before.lost_normal, 1e-14);
+    NEAR(now.lost_tangential, after.lost_tangential - before.lost_tangential, 1e-14);
+    NEAR(now.driven, after.driven - before.driven, 1e-14);
+    NEAR(now.balance, after.balance - before.balance, 1e-14);
+    CHECK(fabs(after.lost_tangential - before.lost_tangential) > 1e-12);
+
+    /* Kept books go on without a break. */
+    rewind(file);
+    CHECK(scree_scene_save(kept, file, "memory") == SCREE_OK);
+    scree_scene_destroy(begun);
+    begun = restore_into(file, energy, SCREE_OK);
+    CHECK(!begun->books_begun && scree_scene_energy(begun, &now) == SCREE_OK);
+    CHECK(now.balance == after.balance && now.lost_tangential == after.lost_tangential);
+    fclose(file);
+    scree_scene_destroy(begun);
+    scree_scene_destroy(plain);
+    scree_scene_destroy(kept);
+}
+
 /* Hashes that must come out the same from every compiler, at every optimisation, for every instruction set. The scenes use
  * no function of the maths library but the square root. */
 /* What was listed before, and is no longer after restoring, leaves no trace: a box was near, the spheres' arms turn nothing. */
@@ -475,6 +584,7 @@ static void test_plan(void) {
     CONTAINS(plan, "contact memory: no law keeps any");
     CONTAINS(plan, "tilting of gravity");
     CONTAINS(plan, "automatic");
+    CONTAINS(plan, "lowered so that 0.001 s (between rows, or of the whole run) is a whole number of steps");
     CHECK(scene->plan.choice.step < scene->plan.choice.limit);
     free(plan);
     scree_scene_destroy(scene);
@@ -713,6 +823,8 @@ int main(void) {
     test_rest();
     test_same_bits();
     test_restore_forgets_lists();
+    test_other_scenes();
+    test_books_begin();
     test_golden();
     test_plan();
     test_stability_limit();

@@ -4,6 +4,7 @@
 #include "tests/scenes.h"
 
 #include <locale.h>
+#include <unistd.h>
 
 /* ---- TOML ---- */
 
@@ -168,27 +169,42 @@ static void test_monsters(void) {
 
 /* ---- tables ---- */
 
+static scree_status parse_table(char *text, size_t size, struct scree_table *table, scree_trouble *trouble) {
+    return scree_table_parse(text, size, "t.csv", "time", table, trouble);
+}
+
 static void test_tables(void) {
     struct scree_table table;
     scree_trouble trouble;
-    char good[] = "# comment\ntime_s, position_m ,note\n0,1.5,2\n\n1e-3,-2,3\r\n";
-    CHECK(scree_table_parse(good, "t.csv", &table, &trouble) == SCREE_OK);
-    CHECK(table.rows == 2 && table.columns == 3);
+    char good[] = "\xef\xbb\xbf# comment\n\"time_s\", position_m ,note\n0,1.5,2\n\n1e-3,\"-2\",+.5\r\n";
+    CHECK(parse_table(good, sizeof good - 1, &table, &trouble) == SCREE_OK);
+    CHECK(table.rows == 2 && table.columns == 3 && table.header == 2);
     CHECK(scree_table_column(&table, "position")[1] == -2.0 && scree_table_column(&table, "time")[1] == 1e-3);
-    CHECK(scree_table_column(&table, "posit") == NULL && scree_table_column(&table, "note") != NULL);
+    CHECK(scree_table_column(&table, "posit") == NULL && scree_table_column(&table, "note")[1] == 0.5);
     scree_table_free(&table);
-    static const char *const bad[][2] = {{"", "empty"},
-                                         {"1,2\n3,4\n", "t.csv:1: expected a header"},
-                                         {"a,b\n1,x\n", "t.csv:2:3: this is no number"},
-                                         {"a,b\n1,2\n1\n", "t.csv:3:1: wrong number of columns"},
-                                         {"a,b\n1,2,3\n", "t.csv:2:3: wrong number of columns"},
-                                         {"a,b\n1,2 x\n", "t.csv:2:3: this is no number"}};
+    static const char *const bad[][2] = {
+        {"", "empty"},
+        {"1,2\n3,4\n", "t.csv:1:1: expected a header"},
+        {"a,b\n1,x\n", "t.csv:2:3: \"x\" is no number"},
+        {"a,b\n1,2\n1\n", "t.csv:3:1: wrong number of columns"},
+        {"a,b\n1,2,3\n", "t.csv:2:5: wrong number of columns"},
+        {"a,b\n1,2 x\n", "t.csv:2:3: \"2 x\" is no number"},
+        {"a,b\n0x10,2\n", "t.csv:2:1: \"0x10\" is no number"},
+        {"a,b\n1,inf\n", "t.csv:2:3: \"inf\" is no number"},
+        {"a,b\n1,nan\n", "t.csv:2:3: \"nan\" is no number"},
+        {"a,b\n1,1e999\n", "t.csv:2:3: \"1e999\" is no number"},
+        {"a,b\n1,\n", "t.csv:2:3: \"\" is no number"},
+        {"a, a\n1,2\n", "t.csv:1:4: there are two columns \"a\""},
+        {"# c\nx,time_s\n\n1,2\n# c\n3,2\n", "t.csv:6:3: time_s must increase: 2 after 2"}};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         char text[64];
         strcpy(text, bad[k][0]);
-        CHECK(scree_table_parse(text, "t.csv", &table, &trouble) == SCREE_BAD_INPUT);
+        CHECK(parse_table(text, strlen(text), &table, &trouble) == SCREE_BAD_INPUT);
         CONTAINS(trouble.text, bad[k][1]);
     }
+    char cut[] = "a,b\n1,2\n3,\0004\n5,6\n";
+    CHECK(parse_table(cut, sizeof cut - 1, &table, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "t.csv:3:3: this is no text");
 }
 
 /* ---- scene files ---- */
@@ -292,7 +308,7 @@ static void test_scene_errors(void) {
         {13, "shared_by = 0.5", "s.toml:13:13:", "whole number"},
         {13, "shared_by = 0", "s.toml:13:13:", "whole number"},
         {16, "kind = \"tabel\"", "s.toml:16:8:", "did you mean \"table\"?"},
-        {17, "rows = [[0, 0], [0, 1]]", "s.toml:", "times of a motion table must increase: row 2"},
+        {17, "rows = [[0, 0], [0, 1]]", "s.toml:17:17:", "times of a motion table must increase: row 2"},
         {17, "rows = [[0, 0], [1, 1, 1]]", "s.toml:17:17:", "2 numbers like the first"},
         {17, "rows = [[0, 0]]", "s.toml:", "at least 2 rows"},
         {17, "file = \"missing.csv\"", "missing.csv:", "No such file"},
@@ -322,6 +338,21 @@ static void test_scene_errors(void) {
         {0, "[[body]]\nname = \"x\"\nmaterial = \"a\"", "s.toml:32:1", "needs a shape"},
         {0, "[body]\n", "s.toml:32:", "is an array already"},
         {0, "[[contact]]\nbetween = [\"a\", \"a\"]\nnone = true", "s.toml:33:11:", "two contacts between"},
+        {2, "gravity = { vector = [0, 0, -9.81], axis = [0, 1, 0] }", "s.toml:2:44:", "add tilt"},
+        {4, "end = 1e300", "s.toml:4:7:", "1e+305 steps of 1e-05 s; the most is 1e+15"},
+        {30, "every = 1e-300", "s.toml:30:9:", "closer than the step of 1e-05 s"},
+        {16, "kind = \"table\"\noffset = 1",
+         "s.toml:17:10:", "unknown key \"offset\" in a [[motion]] of kind \"table\""},
+        {16, "kind = \"table\"\nvelocity = 1", "s.toml:17:12:", "of kind \"table\""},
+        {17, "velocity = 1", "s.toml:17:12:", "of kind \"table\""},
+        {16, "kind = \"sine\"", "s.toml:17:8:", "of kind \"sine\""},
+        {17, "file = \"-\"", "s.toml:17:8:", "standard input can't be one"},
+        {17, "file = \"\"", "s.toml:17:8:", "must name a table"},
+        {23, "joint = { turn = { hinge = [0, 0, 0] } }", "s.toml:23:28:", "hinge must not be zero"},
+        {23, "joint = { turn = { hinge = [0, 0, 1], motion = \"nobody\" } }", "s.toml:23:18:", "either a hinge"},
+        {23, "joint = { turn = { hinge = [0, 0, 1], axis = [0, 0, 1] } }", "s.toml:23:18:", "either a hinge"},
+        {23, "joint = { turn = { hinge = [0, 0, 2] } }\nspin = [0, 1, 3]", "s.toml:24:8:", "isn't about the axis"},
+        {31, "bodies = []", "s.toml:31:10:", "would write none"},
         {9, "[[material]]\nname = \"c\"\n[[contact]]", "s.toml", ""},
     };
     /* The last case is a valid change: it proves that the cases before fail for their own reasons. */
@@ -331,6 +362,115 @@ static void test_scene_errors(void) {
     char *valid = with_line(cases[count - 1].line, cases[count - 1].text);
     scree_scene_destroy(scene_from(valid, NULL, 0, 0));
     free(valid);
+}
+
+/* A motion's kind without what moves it. */
+static void test_motion_needs(void) {
+    static const char *const kinds[][2] = {
+        {"velocity", "needs velocity"}, {"rise", "needs stroke"}, {"sine", "needs amplitude"}};
+    for (int k = 0; k < 3; k++) {
+        char text[256];
+        scree_scene *scene;
+        struct scree_run_request request;
+        scree_trouble trouble = {0};
+        snprintf(text, sizeof text, "[time]\nend = 1.0\n[[motion]]\nname = \"m\"\nkind = \"%s\"\n", kinds[k][0]);
+        CHECK(scree_read_scene(text, strlen(text), "s.toml", NULL, 0, 0, &scene, &request, &trouble) ==
+              SCREE_BAD_INPUT);
+        CONTAINS(trouble.text, "s.toml:3:1: ");
+        CONTAINS(trouble.text, kinds[k][1]);
+        scree_free_request(&request);
+    }
+}
+
+/* A spin about the hinge, to rounding, is none off it. */
+static void test_hinge(void) {
+    char *text = with_line(23, "joint = { turn = { hinge = [0.1, 0.2, 0.7] } }\nspin = [0.3, 0.6, 2.1]");
+    scree_scene_destroy(scene_from(text, NULL, 0, 0));
+    free(text);
+}
+
+/* ---- motions from a table in a file ---- */
+
+static void test_motion_files(void) {
+    static const char *const cases[][2] = {
+        {"time_ms,position_m\n0,0\n1,1\n",
+         "m.csv:1:1: there is no column \"time_ms\" in a motion table: it has time_s"},
+        {"time_s, position_mm\n0,0\n1,1\n", "did you mean \"position_m\"?"},
+        {"time,position,velocty\n0,0,0\n1,1,0\n", "m.csv:1:15: there is no column \"velocty\""},
+        {"time,time_s,position\n0,0,0\n1,1,0\n", "m.csv:1:6: two columns for the time"},
+        {"# c\ntime,velocity\n0,0\n1,1\n", "m.csv:2:1: the table needs the columns"},
+        {"time,position,acceleration\n0,0,0\n1,1,0\n", "m.csv:1:1: the accelerations of a motion count only beside"},
+        {"time,position\n0,0\n", "m.csv: a motion needs at least 2 rows"},
+        {"# c\ntime,position\n0,0\n# c\n0,1\n", "m.csv:5:1: time must increase: 0 after 0"},
+        {"\xef\xbb\xbf\"time_s\",\"position_rad\"\n0,0\n1,1\n", ""}};
+    char folder[] = "/tmp/scree-test-XXXXXX", path[64], name[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(path, sizeof path, "%s/m.csv", folder);
+    snprintf(name, sizeof name, "%s/s.toml", folder);
+    char *text = with_line(17, "file = \"m.csv\"");
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        scree_scene *scene;
+        struct scree_run_request request;
+        scree_trouble trouble = {0};
+        FILE *file = fopen(path, "w");
+        CHECK(file && fputs(cases[k][0], file) >= 0 && fclose(file) == 0);
+        scree_status status = scree_read_scene(text, strlen(text), name, NULL, 0, 0, &scene, &request, &trouble);
+        CHECK(status == (cases[k][1][0] ? SCREE_BAD_INPUT : SCREE_OK));
+        CONTAINS(trouble.text, cases[k][1]);
+        scree_scene_destroy(scene);
+        scree_free_request(&request);
+    }
+    free(text);
+    CHECK(remove(path) == 0 && remove(folder) == 0);
+}
+
+/* ---- messages ---- */
+
+/* What a message says of a scene whose body has no mass. */
+static void report_with(const char *body, const char *path, scree_trouble *trouble) {
+    size_t size = strlen(body) + 512;
+    char *text = malloc(size);
+    snprintf(text, size,
+             "[time]\nend = 1.0\n[[material]]\nname = \"m\"\n[[body]]\nname = \"%s\"\nmaterial = \"m\"\n"
+             "shape = { sphere = 1.0 }\n",
+             body);
+    scree_scene *scene;
+    struct scree_run_request request;
+    CHECK(scree_read_scene(text, strlen(text), path, NULL, 0, 0, &scene, &request, trouble) == SCREE_BAD_INPUT);
+    scree_free_request(&request);
+    free(text);
+}
+
+static void test_messages(void) {
+    static const char cause[] = "has no mass: give it one (kg), or its material \"m\" a density (kg/m^3)";
+    scree_trouble trouble;
+    report_with("a\\nb\\u001b[31m\\u009b", "s.toml", &trouble); /* line feed, escape, and escape's one-byte sister */
+    CONTAINS(trouble.text, "s.toml:5:1: body \"a\\nb\\x1b[31m\\x9b\" ");
+    CONTAINS(trouble.text, cause);
+    CHECK(!strpbrk(trouble.text, "\n\x1b"));
+
+    char *name = repeat("start-", "n\xc3\xa9", 2000, "-end"), *path = repeat("/", "folder/", 500, "s.toml");
+    report_with(name, "s.toml", &trouble); /* 6010 bytes of name */
+    CONTAINS(trouble.text, "s.toml:5:1: body \"start-n");
+    CONTAINS(trouble.text, "\xe2\x80\xa6"); /* … */
+    CONTAINS(trouble.text, "-end\" ");
+    CONTAINS(trouble.text, cause);
+    report_with("short", path, &trouble); /* 3507 bytes of path */
+    CONTAINS(trouble.text, "folder/s.toml:5:1: body \"short\" ");
+    CONTAINS(trouble.text, cause);
+    report_with(name, path, &trouble);
+    CONTAINS(trouble.text, cause);
+    CHECK(strlen(trouble.text) < sizeof trouble.text);
+    CHECK(strlen(scree_shown(name).text) < 100 && strcmp(scree_shown("a\tb\x7f").text, "a\\tb\\x7f") == 0);
+    free(path);
+    free(name);
+
+    struct scree_toml_document document;
+    CHECK(parse("\xef\xbb\xbf"
+                "a = 1.",
+                &document, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "t.toml:1:5: ");
+    scree_toml_free(&document);
 }
 
 /* The same scene from a file and from C gives the same bits. */
@@ -384,6 +524,10 @@ int main(void) {
     test_monsters();
     test_tables();
     test_scene_errors();
+    test_motion_needs();
+    test_hinge();
+    test_motion_files();
+    test_messages();
     test_file_and_c();
     test_locale();
     return check_report();
