@@ -626,3 +626,22 @@ scree_lm_problem mgh_problem(const struct mgh *problem) {
                               .jacobian = jacobian,
                               .context = (void *)(uintptr_t)problem};
 }
+
+void mgh_start(const struct mgh *problem, int run, double *x) {
+    static const double factors[3] = {1.0, 10.0, 100.0};
+    int zero = 1;
+    problem->start(problem->n, x);
+    for (int k = 0; k < problem->n; k++) zero &= x[k] == 0.0;
+    for (int k = 0; k < problem->n && run > 0; k++) x[k] = zero ? factors[run] : x[k] * factors[run];
+}
+
+enum mgh_kind mgh_judge(const struct mgh *problem, const double *x) {
+    double r[100], sum = 0.0;
+    problem->residual(problem->n, problem->m, x, r);
+    for (int k = 0; k < problem->m; k++) sum += r[k] * r[k];
+    double least = problem->minimum, limit = least * (1.0 + (least < 1e-8 ? 1e-4 : 1e-6));
+    if (sum <= (least == 0.0 ? 1e-10 : limit)) return MGH_GLOBAL;
+    for (int k = 0; k < 2; k++) /* printed with four digits at least */
+        if (problem->local[k] > 0.0 && fabs(sum / problem->local[k] - 1.0) <= 5e-4) return MGH_LOCAL;
+    return MGH_NEITHER;
+}

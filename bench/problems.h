@@ -47,4 +47,12 @@ extern const struct mgh mgh_problems[MGH_PROBLEMS];
 /* The problem for the solver; its context is `problem`. */
 scree_lm_problem mgh_problem(const struct mgh *problem);
 
+/* The standard start times 1, 10 or 100 (`run` 0 … 2); where that is zero, 1 times 10 or 100, as MINPACK's tests have it. */
+void mgh_start(const struct mgh *problem, int run, double *x);
+
+enum mgh_kind { MGH_GLOBAL, MGH_LOCAL, MGH_NEITHER };
+
+/* Which minimum x is, by its sum of squares (the limits are those in data/reference/mgh.csv). */
+enum mgh_kind mgh_judge(const struct mgh *problem, const double *x);
+
 #endif

@@ -5,6 +5,7 @@
 #include "solver/qr.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -14,14 +15,16 @@ struct solver {
     int n, m;
     double *x, *r, *raw; /* the point, its residual, and that before the loss */
     double *trial_x, *trial_r, *trial_raw;
-    double *jacobian, *norms, *gradient;                 /* at x: J by columns, |J_j|, J^T r */
-    double *d, *p;                                       /* scales; step */
-    double *columns, *triangle, *rhs;                    /* the free columns factored; R; -Q^T r */
-    double *free_d, *free_p, *diagonal, *scratch, *rest; /* of the free unknowns; rest: m entries */
-    double *inverse, *keep;                              /* of the polish: n x n, 3 n entries */
-    int *pivot, *index;                                  /* index: which unknowns the free columns belong to */
-    char *held; /* unknowns at a bound that the gradient presses them against */
+    double *jacobian, *norms, *gradient;             /* at x: J by columns, |J_j|, J^T (unit r) */
+    double *d, *p;                                   /* scales; step */
+    double *columns, *triangle, *rhs;                /* the free columns factored; R; -Q^T r */
+    double *free_d, *free_p, *free_norms, *diagonal; /* of the free unknowns */
+    double *scratch, *rest;                          /* n (n + 5) and m entries */
+    double *inverse, *keep;                          /* of the polish: n x n, 3 n entries */
+    int *pivot, *index;                              /* index: which unknowns the free columns belong to */
+    char *held;                                      /* unknowns at a bound that the gradient presses them against */
     int free;
+    double unit; /* of r: a power of two, so that no product leaves the range of numbers and no digit is lost */
     double norm, radius, par, x_norm, step, cosine;
     scree_lm_outcome outcome;
 };
@@ -39,7 +42,7 @@ static double lose(const scree_lm_options *options, double r, double *slope) {
         *slope = c / root;
         return r < 0.0 ? -root : root;
     }
-    if (options->loss == SCREE_LM_CAUCHY && a > 0.0) {
+    if (options->loss == SCREE_LM_CAUCHY && a > 1e-8 * c) { /* below, rho differs from r^2 by less than rounding */
         double t = a / c, root = c * sqrt(log1p(t * t));
         *slope = a / ((1.0 + t * t) * root);
         return r < 0.0 ? -root : root;
@@ -60,26 +63,29 @@ static double evaluate(struct solver *s, const double *x, double *r, double *raw
 static double lower(const struct solver *s, int j) { return s->problem->lower ? s->problem->lower[j] : -HUGE_VAL; }
 static double upper(const struct solver *s, int j) { return s->problem->upper ? s->problem->upper[j] : HUGE_VAL; }
 
-/* Raw residual with x_j shifted by h into `to`; 0 if it is finite. */
-static int shifted(struct solver *s, int j, double h, double *to) {
+/* Raw residual with x_j at `value` into `to`; 0 if it is finite. */
+static int shifted(struct solver *s, int j, double value, double *to) {
     memcpy(s->trial_x, s->x, (size_t)s->n * sizeof *s->x);
-    s->trial_x[j] += h;
+    s->trial_x[j] = value;
     s->outcome.residual_calls++;
     return s->problem->residual(s->problem->context, s->trial_x, to) != 0 || !isfinite(scree_norm(s->m, to));
 }
 
-/* Column j by differences: steps that stay within the bounds, and on the other side if the residual isn't finite on one. */
+/* Column j by differences: steps that stay within the bounds, and on the other side if the residual isn't finite on one. A side
+ * with less than half of the step is used only if the other has no more; an unknown without any room has a zero column. */
 static int difference(struct solver *s, int j, double *column) {
     double size = fmax(fabs(s->x[j]), s->options.typical ? fabs(s->options.typical[j]) : 0.0);
     double h = (s->options.central ? 6.0e-6 : 1.5e-8) * (size > 0.0 ? size : 1.0);
-    double room_up = upper(s, j) - s->x[j], room_down = s->x[j] - lower(s, j);
-    double up = fmin(h, room_up), down = fmin(h, room_down);
-    volatile double ahead = s->x[j] + up, behind = s->x[j] - down; /* what the step really is after rounding */
-    up = ahead - s->x[j];
-    down = s->x[j] - behind;
-    int has_up = up > 0.5 * h && !shifted(s, j, up, column);
+    volatile double ahead = fmin(s->x[j] + h, upper(s, j)), behind = fmax(s->x[j] - h, lower(s, j));
+    double up = ahead - s->x[j], down = s->x[j] - behind; /* what the steps really are after rounding */
+    double least = fmin(0.5 * h, fmax(up, down));
+    if (least == 0.0) {
+        memset(column, 0, (size_t)s->m * sizeof *column);
+        return 0;
+    }
+    int has_up = up >= least && !shifted(s, j, ahead, column);
     int wants_down = !has_up || s->options.central;
-    int has_down = wants_down && down > 0.5 * h && !shifted(s, j, -down, s->trial_raw);
+    int has_down = wants_down && down >= least && !shifted(s, j, behind, s->trial_raw);
     for (int k = 0; k < s->m; k++) {
         double high = has_up ? column[k] : s->raw[k], low = has_down ? s->trial_raw[k] : s->raw[k];
         column[k] = (high - low) / ((has_up ? up : 0.0) + (has_down ? down : 0.0));
@@ -119,7 +125,7 @@ static double stationarity(const struct solver *s) {
     double largest = 0.0;
     for (int j = 0; j < s->n; j++)
         if (!s->held[j] && s->norms[j] > 0.0 && s->norm > 0.0)
-            largest = fmax(largest, fabs(s->gradient[j]) / (s->norms[j] * s->norm));
+            largest = fmax(largest, fabs(s->gradient[j]) / (s->norms[j] * (s->unit * s->norm)));
     return largest;
 }
 
@@ -136,7 +142,7 @@ static void factor(struct solver *s, const double *residual) {
         s->index[s->free++] = j;
     }
     if (s->free == 0) return;
-    scree_qr_factor(s->m, s->free, s->columns, s->pivot, s->diagonal, s->free_p, s->scratch);
+    scree_qr_factor(s->m, s->free, s->columns, s->pivot, s->diagonal, s->free_norms, s->scratch);
     for (int k = 0; k < s->m; k++) s->rest[k] = -residual[k];
     scree_qr_transform(s->m, s->free, s->columns, s->rest);
     memcpy(s->rhs, s->rest, (size_t)s->free * sizeof(double));
@@ -145,17 +151,20 @@ static void factor(struct solver *s, const double *residual) {
 
 /* Norms of the columns and gradient J^T r, and which unknowns are held. Without bounds the factorisation gives them. */
 static int measure(struct solver *s) {
+    s->unit = scree_binary_unit(s->norm);
     if (bounded(s)) {
+        for (int k = 0; k < s->m; k++) s->rest[k] = s->unit * s->r[k];
         for (int j = 0; j < s->n; j++) {
             s->norms[j] = scree_norm(s->m, s->jacobian + j * s->m);
-            s->gradient[j] = scree_dot(s->m, s->jacobian + j * s->m, s->r);
+            s->gradient[j] = scree_dot(s->m, s->jacobian + j * s->m, s->rest);
         }
         hold(s);
     } else {
         factor(s, s->r);
+        for (int k = 0; k < s->n; k++) s->scratch[k] = -s->unit * s->rhs[k];
         for (int j = 0; j < s->n; j++) {
-            s->norms[s->pivot[j]] = s->free_p[s->pivot[j]];
-            s->gradient[s->pivot[j]] = -scree_dot(j + 1, s->triangle + j * s->n, s->rhs);
+            s->norms[j] = s->free_norms[j];
+            s->gradient[s->pivot[j]] = scree_dot(j + 1, s->triangle + j * s->n, s->scratch);
         }
     }
     for (int j = 0; j < s->n; j++)
@@ -172,16 +181,17 @@ static void trust_step(struct solver *s, double radius) {
 
 /* As trust_step, with bounds: unknowns that the step would carry beyond a bound go there and are held for the rest of it. */
 static void bounded_step(struct solver *s) {
-    char held[256];
+    char held[SCREE_LM_UNKNOWNS];
     memcpy(held, s->held, (size_t)s->n);
     memcpy(s->trial_r, s->r, (size_t)s->m * sizeof(double));
     for (int j = 0; j < s->n; j++) s->p[j] = 0.0;
+    double unit = scree_binary_unit(s->radius), square = (unit * s->radius) * (unit * s->radius);
     for (int round = 0; round <= s->n; round++) {
-        double used = 0.0;
+        double left = square; /* of the radius, by the unknowns that have gone to a bound */
         for (int j = 0; j < s->n; j++)
-            if (s->held[j]) used += (s->d[j] * s->p[j]) * (s->d[j] * s->p[j]);
+            if (s->held[j]) left -= (unit * s->d[j] * s->p[j]) * (unit * s->d[j] * s->p[j]);
         factor(s, s->trial_r);
-        trust_step(s, sqrt(fmax(s->radius * s->radius - used, 0.01 * s->radius * s->radius)));
+        trust_step(s, sqrt(fmax(left, 0.01 * square)) / unit);
         int crossed = 0;
         for (int k = 0; k < s->free; k++) {
             int j = s->index[k];
@@ -221,18 +231,15 @@ static double image(struct solver *s) {
  * directional derivative r_vv by a difference; taken only if it is small beside the step. */
 static void accelerate(struct solver *s) {
     const double h = 0.1, largest = 0.375; /* |a| <= 0.75 |p|/2 */
+    if (s->outcome.residual_calls + 2 > s->options.evaluations) return;
     for (int j = 0; j < s->n; j++) s->trial_x[j] = s->x[j] + h * s->p[j];
     if (!(evaluate(s, s->trial_x, s->trial_r, s->trial_raw) < HUGE_VAL)) return;
     image(s);
     for (int k = 0; k < s->m; k++) s->rest[k] = -(s->trial_r[k] - s->r[k] - h * s->rest[k]) / (h * h);
     scree_qr_transform(s->m, s->n, s->columns, s->rest);
     scree_qr_damped_solve(s->n, s->triangle, s->pivot, s->free_d, s->rest, s->par, s->free_p, s->scratch);
-    double a = 0.0, p = 0.0;
-    for (int j = 0; j < s->n; j++) {
-        a += s->d[j] * s->free_p[j] * s->d[j] * s->free_p[j];
-        p += s->d[j] * s->p[j] * s->d[j] * s->p[j];
-    }
-    if (!(a <= largest * largest * p)) return;
+    double p = scaled(s, s->p);
+    if (!(scaled(s, s->free_p) <= largest * p)) return;
     for (int j = 0; j < s->n; j++) s->p[j] += s->free_p[j];
 }
 
@@ -271,7 +278,7 @@ static int try_step(struct solver *s, int first, int *done) {
     if (first) s->radius = fmin(s->radius, s->step);
     for (int j = 0; j < s->n; j++) s->trial_x[j] = fmin(fmax(s->x[j] + s->p[j], lower(s, j)), upper(s, j));
     double change = image(s) / s->norm, along = 0.0;
-    for (int j = 0; j < s->n; j++) along += s->gradient[j] * s->p[j] / s->norm / s->norm;
+    for (int j = 0; j < s->n; j++) along += s->gradient[j] * s->p[j] / (s->unit * s->norm) / s->norm;
     double promised = -2.0 * along - change * change; /* relative reduction of |r|^2 by the linear model */
     double trial_norm = evaluate(s, s->trial_x, s->trial_r, s->trial_raw);
 
@@ -313,12 +320,17 @@ static void rescale(struct solver *s, int first) {
     for (int k = 0; k < s->free; k++) s->free_d[k] = s->d[s->index[k]];
     if (!first) return;
     s->x_norm = scaled(s, s->x);
-    s->radius = s->options.first * (s->x_norm > 0.0 ? s->x_norm : 1.0);
+    s->radius = s->options.first * (s->x_norm > 0.0 ? s->x_norm : s->norm);
 }
 
 /* From the start to the first test that holds. */
 static void iterate(struct solver *s) {
+    int differences = s->problem->jacobian ? 0 : s->n * (s->options.central ? 2 : 1);
     for (int first = 1;; first = 0) {
+        if (s->outcome.residual_calls + differences > s->options.evaluations) {
+            s->outcome.reason = SCREE_LM_EVALUATIONS;
+            return;
+        }
         if (linearise(s) || measure(s)) {
             s->outcome.reason = first ? SCREE_LM_NOT_FINITE : SCREE_LM_STUCK;
             return;
@@ -339,11 +351,16 @@ static void iterate(struct solver *s) {
     }
 }
 
+/* Of the free columns as last factored. */
+static int rank_of(const struct solver *s) {
+    return scree_qr_rank(s->free, s->diagonal, s->pivot, s->free_norms, 1e-14);
+}
+
 /* The Gauss-Newton step of the free unknowns at x into p, and |D p|; HUGE_VAL where there is none. */
 static double gauss_newton(struct solver *s) {
     if (linearise(s) || measure(s)) return HUGE_VAL;
     if (bounded(s)) factor(s, s->r);
-    if (s->free == 0 || scree_qr_rank(s->free, s->diagonal, 1e-14) < s->free) return HUGE_VAL;
+    if (s->free == 0 || rank_of(s) < s->free) return HUGE_VAL;
     memset(s->p, 0, (size_t)s->n * sizeof(double));
     s->par = 0.0;
     trust_step(s, HUGE_VAL);
@@ -363,8 +380,7 @@ static scree_lm_reason judge(struct solver *s, scree_lm_reason reason) {
     }
     if (bounded(s)) factor(s, s->r);
     if (s->free == 0) return reason;
-    int rank = scree_qr_rank(s->free, s->diagonal, 1e-14);
-    double promised = scree_norm(rank, s->rhs) / s->norm;
+    double promised = scree_norm(rank_of(s), s->rhs) / s->norm;
     memset(s->p, 0, (size_t)s->n * sizeof(double));
     s->par = 0.0;
     trust_step(s, HUGE_VAL);
@@ -377,17 +393,18 @@ static scree_lm_reason judge(struct solver *s, scree_lm_reason reason) {
 static void learn(struct solver *s, const double *moved, const double *p_before) {
     int n = s->n;
     double *h = s->inverse, *hy = s->scratch, *sh = s->scratch + n, shy = 0.0;
+    double unit = scree_binary_unit(scaled(s, moved));
     for (int i = 0; i < n; i++) {
         hy[i] = sh[i] = 0.0;
         for (int k = 0; k < n; k++) {
             hy[i] += h[i * n + k] * s->d[k] * (p_before[k] - s->p[k]);
-            sh[i] += s->d[k] * moved[k] * h[k * n + i];
+            sh[i] += unit * s->d[k] * moved[k] * h[k * n + i];
         }
     }
-    for (int k = 0; k < n; k++) shy += sh[k] * s->d[k] * (p_before[k] - s->p[k]);
+    for (int k = 0; k < n; k++) shy += sh[k] * (unit * s->d[k]) * (p_before[k] - s->p[k]);
     if (shy == 0.0) return;
     for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) h[i * n + k] += (s->d[i] * moved[i] - hy[i]) * sh[k] / shy;
+        for (int k = 0; k < n; k++) h[i * n + k] += unit * (s->d[i] * moved[i] - hy[i]) * sh[k] / shy;
 }
 
 /* Drive the Gauss-Newton step to zero. F can't judge here: near the minimum it is flat to within rounding while x still has
@@ -398,7 +415,9 @@ static void polish(struct solver *s) {
     double *best = s->keep, *moved = best + n, *p_before = moved + n, shortest = HUGE_VAL, norm_start = s->norm;
     s->options.central = 1;
     for (int k = 0; k < n * n; k++) s->inverse[k] = k % (n + 1) == 0;
+    int cost = 1 + (s->problem->jacobian ? 0 : 2 * n); /* of a step, in calls of the residual */
     for (int step = 0, wasted = 0; step < 30 && s->norm > 0.0; step++) {
+        if (s->outcome.residual_calls + cost >= s->options.evaluations) break;
         double length = gauss_newton(s);
         if (!(length < 2.0 * shortest)) break;
         wasted = length < 0.7 * shortest ? 0 : wasted + 1;
@@ -441,24 +460,27 @@ static scree_lm_options with_defaults(const scree_lm_options *given, int n) {
     return o;
 }
 
+/* Sizes that fit, 0 otherwise: the workspace is reckoned in int. */
+static int sizes_fit(int n, int m) { return n >= 1 && n <= SCREE_LM_UNKNOWNS && m >= n && m <= INT_MAX / (4 * n + 32); }
+
 static int makes_sense(const scree_lm_problem *problem, const scree_lm_options *o, const double *x) {
-    int ok = problem->unknowns >= 1 && problem->unknowns <= 256 && problem->residuals >= problem->unknowns &&
-             problem->residual;
+    int ok = sizes_fit(problem->unknowns, problem->residuals) && problem->residual && x;
     ok = ok && o->reduction >= 0.0 && o->radius >= 0.0 && o->cosine >= 0.0 && o->first > 0.0 && o->evaluations > 0;
-    ok = ok && (o->loss == SCREE_LM_SQUARES || o->scale > 0.0);
+    ok = ok && (o->loss == SCREE_LM_SQUARES ||
+                ((o->loss == SCREE_LM_HUBER || o->loss == SCREE_LM_CAUCHY) && o->scale > 0.0 && isfinite(o->scale)));
     for (int j = 0; ok && j < problem->unknowns; j++) {
         double low = problem->lower ? problem->lower[j] : -HUGE_VAL,
                high = problem->upper ? problem->upper[j] : HUGE_VAL;
-        ok = low <= high && isfinite(x[j]);
+        ok = low <= high && low < HUGE_VAL && high > -HUGE_VAL && isfinite(x[j]);
     }
     return ok;
 }
 
 size_t scree_lm_workspace(int unknowns, int residuals) {
-    if (unknowns < 1 || residuals < 1) return 0;
+    if (!sizes_fit(unknowns, residuals)) return 0;
     size_t n = (size_t)unknowns, m = (size_t)residuals;
-    size_t doubles = 2 * m * n + 5 * m + 2 * n * n + 12 * n + n * (n + 5);
-    return doubles * sizeof(double) + 2 * n * sizeof(int) + n + 16;
+    size_t doubles = 2 * m * n + 5 * m + 2 * n * n + 13 * n + n * (n + 5);
+    return doubles * sizeof(double) + 2 * n * sizeof(int) + n;
 }
 
 static double *take(double **memory, int count) {
@@ -486,6 +508,7 @@ static void lay_out(struct solver *s, void *workspace) {
     s->rhs = take(&memory, n);
     s->free_d = take(&memory, n);
     s->free_p = take(&memory, n);
+    s->free_norms = take(&memory, n);
     s->diagonal = take(&memory, n);
     s->scratch = take(&memory, n * (n + 5));
     s->inverse = take(&memory, n * n);
@@ -494,6 +517,7 @@ static void lay_out(struct solver *s, void *workspace) {
     s->index = s->pivot + n;
     s->held = (char *)(s->index + n);
     memset(s->held, 0, (size_t)n);
+    memset(s->norms, 0, 2 * (size_t)n * sizeof(double)); /* and the gradient, which follows */
     /* Without a loss the residual is the raw one, and without bounds J is factored in place. */
     if (s->options.loss == SCREE_LM_SQUARES) s->raw = s->r;
     if (s->options.loss == SCREE_LM_SQUARES) s->trial_raw = s->trial_r;
@@ -511,7 +535,7 @@ static struct solver start(const scree_lm_problem *problem, const scree_lm_optio
 scree_lm_outcome scree_lm_solve(const scree_lm_problem *problem, const scree_lm_options *options, double *x,
                                 void *workspace) {
     scree_lm_options resolved = with_defaults(options, problem->unknowns);
-    if (!makes_sense(problem, &resolved, x)) return (scree_lm_outcome){.reason = SCREE_LM_BAD_INPUT};
+    if (!makes_sense(problem, &resolved, x) || !workspace) return (scree_lm_outcome){.reason = SCREE_LM_BAD_INPUT};
     struct solver s = start(problem, options, x, workspace);
     for (int j = 0; j < s.n; j++) x[j] = fmin(fmax(x[j], lower(&s, j)), upper(&s, j));
     s.norm = evaluate(&s, x, s.r, s.raw);
@@ -526,8 +550,10 @@ scree_lm_outcome scree_lm_solve(const scree_lm_problem *problem, const scree_lm_
     if (s.outcome.converged && !s.options.no_polish) polish(&s);
     s.outcome.norm = s.norm;
     s.outcome.cosine = stationarity(&s);
+    if (s.outcome.reason == SCREE_LM_NOT_FINITE) return s.outcome;
+    if (bounded(&s)) factor(&s, s.r); /* the last step may have held more than stays held */
     s.outcome.free = s.free;
-    if (s.free && s.outcome.reason != SCREE_LM_NOT_FINITE) s.outcome.rank = scree_qr_rank(s.free, s.diagonal, 1e-14);
+    s.outcome.rank = rank_of(&s);
     return s.outcome;
 }
 
@@ -567,32 +593,63 @@ static void invert_triangle(int n, double *r) {
     }
 }
 
+/* Covariance of the free unknowns that the data determine, from the triangle whose leading `rank` columns are regular. */
+static void fill_covariance(struct solver *s, int rank, double *covariance) {
+    int n = s->n, f = s->free;
+    double *inverse = s->scratch, deviation = s->m > rank ? s->norm / sqrt(s->m - rank) : 0.0;
+    for (int j = 0; j < rank; j++)
+        for (int k = 0; k < rank; k++) inverse[j * rank + k] = s->triangle[j * f + k];
+    invert_triangle(rank, inverse);
+    for (int k = 0; k < rank * rank; k++) inverse[k] *= deviation;
+    for (int a = 0; a < rank; a++)
+        for (int b = 0; b < rank; b++) {
+            double sum = 0.0;
+            for (int k = a > b ? a : b; k < rank; k++) sum += inverse[k * rank + a] * inverse[k * rank + b];
+            covariance[s->index[s->pivot[a]] * n + s->index[s->pivot[b]]] = sum;
+        }
+}
+
+/* Unknown `place` (among the pivoted columns) as one that the data don't determine. */
+static void undetermined(const struct solver *s, int place, double *covariance) {
+    int j = s->index[s->pivot[place]];
+    for (int k = 0; k < s->n; k++) covariance[j * s->n + k] = covariance[k * s->n + j] = 0.0;
+    covariance[j * (s->n + 1)] = HUGE_VAL;
+}
+
+/* Each column beyond the rank depends on the ones before: a change of its unknown is undone by changes z of theirs, R z = its
+ * column. All unknowns that take part in such a change can't be told; a part of 1e-8 (of the lengths of the columns) is rounding. */
+static void flag_undetermined(struct solver *s, int rank, double *covariance) {
+    int f = s->free;
+    double *z = s->scratch;
+    for (int c = rank; c < f; c++) {
+        for (int k = 0; k < rank; k++) z[k] = s->triangle[c * f + k];
+        for (int j = rank - 1; j >= 0; j--) {
+            z[j] /= s->triangle[j * f + j];
+            for (int k = 0; k < j; k++) z[k] -= s->triangle[j * f + k] * z[j];
+        }
+        for (int a = 0; a < rank; a++)
+            if (fabs(z[a]) * s->free_norms[s->pivot[a]] > 1e-8 * s->free_norms[s->pivot[c]])
+                undetermined(s, a, covariance);
+        undetermined(s, c, covariance);
+    }
+}
+
 int scree_lm_covariance(const scree_lm_problem *problem, const scree_lm_options *options, const double *x,
                         double *covariance, int *free, void *workspace) {
+    scree_lm_options resolved = with_defaults(options, problem->unknowns);
+    if (!makes_sense(problem, &resolved, x) || !workspace) return -1;
     struct solver s = start(problem, options, NULL, workspace);
-    double *copy = s.p; /* the solver writes to x only in steps, of which there are none here */
-    memcpy(copy, x, (size_t)s.n * sizeof(double));
-    s.x = copy;
+    s.x = s.p; /* the solver writes to x only in steps, of which there are none here */
+    memcpy(s.x, x, (size_t)s.n * sizeof(double));
     s.options.central = 1;
     s.norm = evaluate(&s, s.x, s.r, s.raw);
     for (int j = 0; j < s.n; j++) s.d[j] = 1.0;
     if (!(s.norm < HUGE_VAL) || linearise(&s) || measure(&s)) return -1;
     if (bounded(&s)) factor(&s, s.r);
-    int n = s.n, f = s.free, rank = f ? scree_qr_rank(f, s.diagonal, 1e-14) : 0;
-    double variance = s.m > rank ? s.norm * s.norm / (s.m - rank) : 0.0;
-    for (int k = 0; k < n * n; k++) covariance[k] = 0.0;
-    for (int j = 0; free && j < n; j++) free[j] = !s.held[j];
-    /* The leading rank x rank block of R is regular; the other directions aren't determined. */
-    double *inverse = s.scratch;
-    for (int j = 0; j < rank; j++)
-        for (int k = 0; k < rank; k++) inverse[j * rank + k] = s.triangle[j * f + k];
-    invert_triangle(rank, inverse);
-    for (int a = 0; a < rank; a++)
-        for (int b = 0; b < rank; b++) {
-            double sum = 0.0;
-            for (int k = a > b ? a : b; k < rank; k++) sum += inverse[k * rank + a] * inverse[k * rank + b];
-            covariance[s.index[s.pivot[a]] * n + s.index[s.pivot[b]]] = variance * sum;
-        }
-    for (int a = rank; a < f; a++) covariance[s.index[s.pivot[a]] * (n + 1)] = HUGE_VAL;
+    int rank = rank_of(&s);
+    for (int k = 0; k < s.n * s.n; k++) covariance[k] = 0.0;
+    for (int j = 0; free && j < s.n; j++) free[j] = !s.held[j];
+    fill_covariance(&s, rank, covariance);
+    flag_undetermined(&s, rank, covariance);
     return rank;
 }

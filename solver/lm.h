@@ -16,8 +16,10 @@ typedef int scree_lm_residual(void *context, const double *x, double *r);
 /* Jacobian at x by columns: column j (d r/d x_j, `residuals` entries) at jacobian + j * residuals. Nonzero as above. */
 typedef int scree_lm_jacobian(void *context, const double *x, double *jacobian);
 
+enum { SCREE_LM_UNKNOWNS = 256 }; /* most unknowns */
+
 typedef struct scree_lm_problem {
-    int unknowns;  /* n >= 1 */
+    int unknowns;  /* n, 1 to SCREE_LM_UNKNOWNS */
     int residuals; /* m >= n */
     scree_lm_residual *residual;
     scree_lm_jacobian *jacobian; /* NULL: finite differences */
@@ -48,10 +50,11 @@ typedef struct scree_lm_options {
     double reduction; /* stop when actual and predicted relative reduction of F are below it; 1e-10 */
     double radius;    /* … when the trust radius is below it times |D x|; 1e-12 */
     double cosine;    /* … when the largest cosine is below it; 1e-14 */
-    double first;     /* initial radius in parts of |D x0|; 0.28, chosen on three collections of test problems: of
+    double
+        first; /* initial radius in parts of |D x0| (of |r| where x0 = 0); 0.28, chosen on three collections of test problems: of
                           NIST's 54 runs values from 0.1 to 1 solve 50 to 54 */
-    int evaluations;  /* most calls of the residual, differences counted; 200 (n + 1) */
-    int central;      /* central instead of forward differences */
+    int evaluations; /* most calls of the residual, differences and polish counted; 200 (n + 1) */
+    int central;     /* central instead of forward differences */
     const double *
         typical; /* sizes of the unknowns, for difference steps where x_j is smaller; NULL: |x_j|, or 1 where x_j = 0 */
     int no_polish;    /* leave out the Gauss-Newton steps at the end */
@@ -81,14 +84,15 @@ typedef struct scree_lm_outcome {
     int residual_calls; /* differences counted */
     int jacobian_calls; /* analytic ones, or sets of differences */
     int polish_steps;   /* Gauss-Newton steps taken at the end */
-    int rank;      /* of the free columns of the Jacobian at the end; below their number: the minimum isn't isolated */
-    int free;      /* unknowns not held by a bound at the end */
-    double norm;   /* |r| at the end (after the loss) */
-    double cosine; /* largest cosine between residual and a free column at the end; the test of stationarity */
+    int rank;           /* of the free columns of the last Jacobian; below their number: the minimum isn't isolated */
+    int free;           /* unknowns not held by a bound at the end */
+    double norm;        /* |r| at the end (after the loss) */
+    double
+        cosine; /* largest cosine between residual and a free column, at the last Jacobian: the test of stationarity */
     double last_step; /* |D p|/|D x| of the last Gauss-Newton step: an estimate of the relative error of x */
 } scree_lm_outcome;
 
-/* Bytes of workspace that a problem needs; its memory must be aligned as malloc's. */
+/* Bytes of workspace that a problem needs, 0 for sizes that make no sense; its memory must be aligned as malloc's. */
 size_t scree_lm_workspace(int unknowns, int residuals);
 
 /* Minimise from x, which receives the result; `options` may be NULL. */
@@ -98,10 +102,10 @@ scree_lm_outcome scree_lm_solve(const scree_lm_problem *problem, const scree_lm_
 /* "converged: …" for people. */
 const char *scree_lm_text(scree_lm_reason reason);
 
-/* Covariance of x (n x n, row by row) at a solution: s^2 (J^T J)^-1 with s^2 = |r|^2/(m - rank), for the free unknowns; rows and columns of
- * unknowns held by a bound are zero, and those of directions that the data don't determine are HUGE_VAL on the diagonal.
- * `free` (n entries, may be NULL) receives 1 for unknowns that are free. Returns the rank, -1 if the residual or
- * Jacobian isn't finite there. The loss of the options counts. */
+/* Covariance of x (n x n, row by row) at a solution: s^2 (J^T J)^-1 with s^2 = |r|^2/(m - rank), for the free unknowns; rows and
+ * columns of unknowns held by a bound are zero. An unknown that the data don't determine, alone or only together with others, has
+ * HUGE_VAL on the diagonal and zeros beside it. `free` (n entries, may be NULL) receives 1 for unknowns that are free. Returns the
+ * rank, -1 for bad input or if the residual or Jacobian isn't finite there. The loss of the options counts. */
 int scree_lm_covariance(const scree_lm_problem *problem, const scree_lm_options *options, const double *x,
                         double *covariance, int *free, void *workspace);
 

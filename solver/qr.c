@@ -23,6 +23,23 @@ static inline double dot(int count, const double *x, const double *y) {
 
 double scree_dot(int count, const double *x, const double *y) { return dot(count, x, y); }
 
+double scree_binary_unit(double x) {
+    int exponent = 0;
+    if (x == 0.0 || !isfinite(x)) return 1.0;
+    frexp(x, &exponent);
+    return ldexp(1.0, exponent < -1000 ? 1000 : exponent > 1000 ? -1000 : -exponent);
+}
+
+/* Sum of (s x)^2, in the order of `dot`. */
+static double squares(int count, double s, const double *x) {
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    int k = 0;
+    for (; k + 4 <= count; k += 4)
+        for (int i = 0; i < 4; i++) sum[i] += (s * x[k + i]) * (s * x[k + i]);
+    for (; k < count; k++) sum[0] += (s * x[k]) * (s * x[k]);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 double scree_norm(int count, const double *x) {
     double sum = dot(count, x, x);
     if (sum > 1e-280 && sum < 1e280) return sqrt(sum);
@@ -32,9 +49,8 @@ double scree_norm(int count, const double *x) {
         largest = larger(largest, fabs(x[k]));
     }
     if (largest == 0.0 || isinf(largest)) return largest;
-    sum = 0.0;
-    for (int k = 0; k < count; k++) sum += (x[k] / largest) * (x[k] / largest);
-    return largest * sqrt(sum);
+    double unit = scree_binary_unit(largest);
+    return sqrt(squares(count, unit, x)) / unit;
 }
 
 /* y <- y - s x */
@@ -116,9 +132,9 @@ void scree_qr_triangle(int rows, int columns, const double *a, const double *dia
         for (int k = 0; k < columns; k++) r[j * columns + k] = k < j ? a[j * rows + k] : k == j ? diagonal[j] : 0.0;
 }
 
-int scree_qr_rank(int columns, const double *diagonal, double tolerance) {
+int scree_qr_rank(int columns, const double *diagonal, const int *pivot, const double *norms, double tolerance) {
     int rank = 0;
-    while (rank < columns && fabs(diagonal[rank]) > tolerance * fabs(diagonal[0])) rank++;
+    while (rank < columns && fabs(diagonal[rank]) > tolerance * norms[pivot[rank]]) rank++;
     return rank;
 }
 
@@ -140,6 +156,12 @@ static void solve_transposed(int n, const double *s, double *b) {
     }
 }
 
+/* sqrt(a^2 + b^2) where the squares leave the range of numbers. */
+static double far_hypotenuse(double a, double b) {
+    double unit = scree_binary_unit(larger(fabs(a), fabs(b)));
+    return sqrt((unit * a) * (unit * a) + (unit * b) * (unit * b)) / unit;
+}
+
 /* Rotate the row (0 … 0 t 0 … 0), t at place j, into the triangle `s` with right-hand side `b` (Givens rotations). The row's own
  * right-hand side is 0; its entries beyond j fill in `row`. */
 static void rotate_in(int n, int j, double t, double *s, double *b, double *row) {
@@ -148,7 +170,8 @@ static void rotate_in(int n, int j, double t, double *s, double *b, double *row)
     row[j] = t;
     for (int k = j; k < n; k++) {
         if (row[k] == 0.0) continue;
-        double diagonal = s[k * n + k], hypotenuse = sqrt(diagonal * diagonal + row[k] * row[k]);
+        double diagonal = s[k * n + k], square = diagonal * diagonal + row[k] * row[k];
+        double hypotenuse = square > 1e-280 && square < 1e280 ? sqrt(square) : far_hypotenuse(diagonal, row[k]);
         double scale = 1.0 / hypotenuse, c = diagonal * scale, sn = row[k] * scale;
         s[k * n + k] = hypotenuse;
         double kept = c * b[k] + sn * rhs;
@@ -208,11 +231,13 @@ double scree_qr_trust_step(int n, const double *r, const int *pivot, const doubl
         double slope = scree_norm(n, w);
         low = beyond / radius / slope / slope;
     }
-    for (int j = 0; j < n; j++) w[j] = dot(j + 1, r + j * n, b) / d[pivot[j]];
-    double gradient = scree_norm(n, w), high = gradient / radius;
+    double unit = scree_binary_unit(norm); /* products of two residuals may leave the range of numbers */
+    for (int j = 0; j < n; j++) z[j] = unit * b[j];
+    for (int j = 0; j < n; j++) w[j] = dot(j + 1, r + j * n, z) / d[pivot[j]];
+    double gradient = scree_norm(n, w), high = gradient / (unit * radius);
     if (high == 0.0) high = DBL_MIN / smaller(radius, 0.1);
     *par = smaller(larger(*par, low), high);
-    if (*par == 0.0) *par = gradient / norm;
+    if (*par == 0.0) *par = gradient / (unit * norm);
     for (int trial = 0; trial < 10; trial++) {
         if (*par == 0.0) *par = larger(DBL_MIN, 0.001 * high);
         damped(n, r, pivot, d, b, *par, p, s, z, row);

@@ -6,6 +6,9 @@
 /* Euclidean norm, safe against overflow and underflow. */
 double scree_norm(int count, const double *x);
 
+/* The power of two that brings x to [0.5, 1) in size (1 for zero, infinity and NaN): multiplying by it costs no digits. */
+double scree_binary_unit(double x);
+
 /* Inner product; four partial sums in a fixed order, which the compiler can keep in one register. */
 double scree_dot(int count, const double *x, const double *y);
 
@@ -21,8 +24,9 @@ void scree_qr_transform(int rows, int columns, const double *a, double *b);
 /* Copy R into an n x n array by columns, its lower triangle zero (rows >= columns = n). */
 void scree_qr_triangle(int rows, int columns, const double *a, const double *diagonal, double *r);
 
-/* Number of leading diagonal entries of R that are larger than `tolerance` times the first. */
-int scree_qr_rank(int columns, const double *diagonal, double tolerance);
+/* Number of leading columns of R whose diagonal entry is larger than `tolerance` times their norm: the sine of the angle between
+ * the column and those before it, so the units of the unknowns don't count. `norms` and `pivot` are those of the factorisation. */
+int scree_qr_rank(int columns, const double *diagonal, const int *pivot, const double *norms, double tolerance);
 
 /* The step p that minimises |J p + f| within |D p| <= radius, for J P = Q R and b = -(Q^T f): either the Gauss-Newton step, or
  * that of (J^T J + par D^2) p = -J^T f with |D p| within a tenth of the radius (More 1978: Newton's iteration on the secular
