@@ -51,6 +51,10 @@ double scree_slide_detachment(const struct scree_profile *profile, double decele
     return crosses(profile, deceleration, 1.0, profile->start[0]);
 }
 
+double scree_slide_release(const struct scree_profile *profile, double deceleration, double from) {
+    return crosses(profile, deceleration, -1.0, from);
+}
+
 scree_catch scree_slide_catch(const scree_transport *transport, const struct scree_profile *profile, double left,
                               double until) {
     double mu_g = scree_transport_slowing(transport), slide = until - left;

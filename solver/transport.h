@@ -129,6 +129,10 @@ void scree_plan_scaled(const scree_transport *transport, const scree_plan *desig
  * `deceleration` (> 0, m/s^2), so that the product leaves the rear tines; negative if it never does. */
 double scree_slide_detachment(const struct scree_profile *profile, double deceleration);
 
+/* First time, not before `from`, at which it brakes softer than that, so that a caught product leaves the front tines; negative if
+ * it never does. */
+double scree_slide_release(const struct scree_profile *profile, double deceleration, double from);
+
 /* What a product that leaves at `left` has at `until`, if nothing is in its way and it still moves then. */
 scree_catch scree_slide_catch(const scree_transport *transport, const struct scree_profile *profile, double left,
                               double until);
