@@ -10,14 +10,14 @@ double scree_conventional_duration(const struct scree_conventional *motion, doub
 void scree_conventional_at(const struct scree_conventional *motion, double cycles, double time, double *position,
                            double *velocity, double *acceleration) {
     double duration = scree_conventional_duration(motion, cycles), s = motion->stroke;
-    double u = fmin(fmax(time / duration, 0.0), 1.0);
-    *position = s * u * u * u * (10.0 - u * (15.0 - 6.0 * u));
-    *velocity = s / duration * 30.0 * u * u * (1.0 - u) * (1.0 - u);
-    *acceleration = s / (duration * duration) * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u);
+    struct scree_kinematics at = scree_cam_at(motion->law, fmin(fmax(time / duration, 0.0), 1.0));
+    *position = s * at.x;
+    *velocity = s / duration * at.v;
+    *acceleration = s / (duration * duration) * at.a;
 }
 
 double scree_conventional_limit(const struct scree_conventional *motion) {
-    double largest = 10.0 / sqrt(3.0); /* of |a| T^2/s, at u = 1/2 +- sqrt(3)/6 */
+    double largest = scree_cam_peaks(motion->law).a; /* of |a| T^2/s */
     return 60.0 * motion->share * sqrt(motion->friction * motion->gravity / (largest * motion->stroke));
 }
 
@@ -25,7 +25,7 @@ double scree_conventional_detachment(const struct scree_conventional *motion, do
     double duration = scree_conventional_duration(motion, cycles);
     if (cycles <= scree_conventional_limit(motion)) return duration;
     /* The deceleration grows from u = 1/2 to its largest value: one root in between. */
-    double low = 0.5, high = 0.5 + sqrt(3.0) / 6.0, x, v, a;
+    double low = 0.5, high = scree_cam_peaks(motion->law).x, x, v, a;
     for (int k = 0; k < 100; k++) {
         double middle = 0.5 * (low + high);
         scree_conventional_at(motion, cycles, middle * duration, &x, &v, &a);

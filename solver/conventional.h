@@ -3,12 +3,15 @@
 #ifndef SCREE_SOLVER_CONVENTIONAL_H
 #define SCREE_SOLVER_CONVENTIONAL_H
 
-/* A rise-to-dwell quintic x = s (10 u^3 - 15 u^4 + 6 u^5), u = t/T, with T = 60 r/n at n cycles a minute. */
+#include "solver/rise.h"
+
+/* A rise-to-dwell law over u = t/T, with T = 60 r/n at n cycles a minute. */
 struct scree_conventional {
-    double stroke;   /* s, m */
-    double share;    /* r, of the cycle */
-    double friction; /* mu_k between product and surface */
-    double gravity;  /* m/s^2 */
+    double stroke;          /* s, m */
+    double share;           /* r, of the cycle */
+    double friction;        /* mu_k between product and surface */
+    double gravity;         /* m/s^2 */
+    enum scree_cam_law law; /* quintic unless told */
 };
 
 /* Duration of the rise at n cycles a minute, s. */
@@ -18,8 +21,8 @@ double scree_conventional_duration(const struct scree_conventional *motion, doub
 void scree_conventional_at(const struct scree_conventional *motion, double cycles, double time, double *position,
                            double *velocity, double *acceleration);
 
-/* Cycles a minute up to which the product never leaves the comb: where the largest deceleration, (10/sqrt 3) s/T^2,
- * equals that of friction. */
+/* Cycles a minute up to which the product never leaves the comb: where the largest deceleration
+ * equals that of friction. For the quintic, whose largest one is (10/sqrt 3) s/T^2: 60 r sqrt(sqrt(3) mu g/(10 s)). */
 double scree_conventional_limit(const struct scree_conventional *motion);
 
 /* Time at which the product leaves the comb (s), or the end of the rise if it never does. */

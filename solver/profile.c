@@ -29,8 +29,7 @@ struct scree_segment scree_position_segment(double duration, struct scree_kinema
     return segment;
 }
 
-/* Value of a polynomial of terms c[0 … degree]. */
-static double value(int degree, const double *c, double u) {
+double scree_polynomial(int degree, const double *c, double u) {
     double sum = c[degree];
     for (int k = degree - 1; k >= 0; k--) sum = sum * u + c[k];
     return sum;
@@ -59,17 +58,29 @@ static void derivatives(const struct scree_segment *segment, double rows[5][SCRE
 struct scree_kinematics scree_segment_at(const struct scree_segment *segment, double t) {
     double rows[5][SCREE_SEGMENT_TERMS], u = t / segment->duration;
     derivatives(segment, rows);
-    return (struct scree_kinematics){value(DEGREE, rows[0], u), value(DEGREE - 1, rows[1], u),
-                                     value(DEGREE - 2, rows[2], u), value(DEGREE - 3, rows[3], u)};
+    return (struct scree_kinematics){scree_polynomial(DEGREE, rows[0], u), scree_polynomial(DEGREE - 1, rows[1], u),
+                                     scree_polynomial(DEGREE - 2, rows[2], u),
+                                     scree_polynomial(DEGREE - 3, rows[3], u)};
+}
+
+void scree_segment_taylor(const struct scree_segment *segment, double t, double terms[SCREE_SEGMENT_TERMS]) {
+    double row[SCREE_SEGMENT_TERMS], factor = 1.0, u = t / segment->duration;
+    int degree = DEGREE;
+    memcpy(row, segment->c, sizeof row);
+    for (int k = 0; k <= DEGREE; k++) {
+        terms[k] = scree_polynomial(degree, row, u) * factor;
+        degree = derive(degree, row, row);
+        factor /= (k + 1) * segment->duration;
+    }
 }
 
 /* The root between low and high, where the polynomial has opposite signs. */
 static double bisect(int degree, const double *c, double low, double high) {
-    int rising = value(degree, c, low) < 0.0;
+    int rising = scree_polynomial(degree, c, low) < 0.0;
     for (int k = 0; k < 200; k++) {
         double middle = 0.5 * (low + high);
         if (middle <= low || middle >= high) break;
-        if ((value(degree, c, middle) < 0.0) == rising)
+        if ((scree_polynomial(degree, c, middle) < 0.0) == rising)
             low = middle;
         else
             high = middle;
@@ -85,7 +96,7 @@ int scree_polynomial_roots(int degree, const double *c, double low, double high,
     double from = low;
     for (int k = 0; k <= turning; k++) {
         double to = k < turning ? turns[k] : high;
-        double a = value(degree, c, from), b = value(degree, c, to);
+        double a = scree_polynomial(degree, c, from), b = scree_polynomial(degree, c, to);
         if ((a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0)) roots[found++] = bisect(degree, c, from, to);
         from = to;
     }
@@ -112,18 +123,19 @@ double scree_profile_duration(const struct scree_profile *profile) {
     return profile->start[profile->count] - profile->start[0];
 }
 
+int scree_profile_segment(const struct scree_profile *profile, double time) {
+    int k = 0;
+    while (k < profile->count - 1 && time >= profile->start[k + 1]) k++;
+    return k;
+}
+
 struct scree_kinematics scree_profile_at(const struct scree_profile *profile, double time) {
-    int last = profile->count - 1, k = 0;
-    struct scree_kinematics at;
-    if (time < profile->start[0] || time > profile->start[profile->count]) {
-        k = time < profile->start[0] ? 0 : last;
-        at = scree_segment_at(&profile->segment[k], k ? profile->segment[k].duration : 0.0);
-        if (time > profile->start[profile->count])
-            at = scree_segment_at(&profile->segment[last], profile->segment[last].duration);
-        return (struct scree_kinematics){.x = at.x};
-    }
-    while (k < last && time >= profile->start[k + 1]) k++;
-    return scree_segment_at(&profile->segment[k], time - profile->start[k]);
+    int k = scree_profile_segment(profile, time);
+    const struct scree_segment *segment = &profile->segment[k];
+    if (time < profile->start[0]) return (struct scree_kinematics){.x = scree_segment_at(segment, 0.0).x};
+    if (time > profile->start[profile->count])
+        return (struct scree_kinematics){.x = scree_segment_at(segment, segment->duration).x};
+    return scree_segment_at(segment, time - profile->start[k]);
 }
 
 struct scree_profile scree_profile_scaled(const struct scree_profile *profile, double duration) {
@@ -149,28 +161,31 @@ struct scree_extrema scree_profile_extrema(const struct scree_profile *profile) 
         double rows[5][SCREE_SEGMENT_TERMS], roots[DEGREE + 1];
         derivatives(&profile->segment[k], rows);
         for (int order = 0; order < 4; order++) {
-            widen(value(DEGREE - order, rows[order], 0.0), &least[order], &largest[order]);
-            widen(value(DEGREE - order, rows[order], 1.0), &least[order], &largest[order]);
+            widen(scree_polynomial(DEGREE - order, rows[order], 0.0), &least[order], &largest[order]);
+            widen(scree_polynomial(DEGREE - order, rows[order], 1.0), &least[order], &largest[order]);
             int found = scree_polynomial_roots(DEGREE - order - 1, rows[order + 1], 0.0, 1.0, roots);
             for (int r = 0; r < found; r++)
-                widen(value(DEGREE - order, rows[order], roots[r]), &least[order], &largest[order]);
+                widen(scree_polynomial(DEGREE - order, rows[order], roots[r]), &least[order], &largest[order]);
         }
     }
     return (struct scree_extrema){{least[0], least[1], least[2], least[3]},
                                   {largest[0], largest[1], largest[2], largest[3]}};
 }
 
-/* Whether segment b continues the polynomial of a: a's Taylor terms at its end, in b's time, are b's. */
+double scree_extrema_acceleration(const struct scree_extrema *extrema) {
+    return fmax(fabs(extrema->least.a), fabs(extrema->largest.a));
+}
+
+double scree_extrema_jerk(const struct scree_extrema *extrema) {
+    return fmax(fabs(extrema->least.j), fabs(extrema->largest.j));
+}
+
+/* Whether segment b continues the polynomial of a: a's Taylor terms at its end, in b's normalised time, are b's. */
 static int continues(const struct scree_segment *a, const struct scree_segment *b, double tolerance) {
-    double terms[SCREE_SEGMENT_TERMS], row[SCREE_SEGMENT_TERMS], factor = 1.0, ratio = b->duration / a->duration;
-    memcpy(row, a->c, sizeof row);
-    for (int k = 0; k < SCREE_SEGMENT_TERMS; k++) {
-        terms[k] = value(DEGREE - k, row, 1.0) * factor;
-        derive(DEGREE - k > 0 ? DEGREE - k : 0, row, row);
-        factor *= ratio / (k + 1);
-    }
-    for (int k = 0; k < SCREE_SEGMENT_TERMS; k++)
-        if (!(fabs(terms[k] - b->c[k]) <= tolerance)) return 0;
+    double terms[SCREE_SEGMENT_TERMS], factor = 1.0;
+    scree_segment_taylor(a, a->duration, terms);
+    for (int k = 0; k < SCREE_SEGMENT_TERMS; k++, factor *= b->duration)
+        if (!(fabs(terms[k] * factor - b->c[k]) <= tolerance)) return 0;
     return 1;
 }
 

@@ -37,6 +37,9 @@ struct scree_segment scree_position_segment(double duration, struct scree_kinema
 /* State at time t within the segment (0 … duration). */
 struct scree_kinematics scree_segment_at(const struct scree_segment *segment, double t);
 
+/* Taylor terms of the position about time t within the segment: x(t + tau) = sum of terms[k] tau^k, tau in s; exact. */
+void scree_segment_taylor(const struct scree_segment *segment, double t, double terms[SCREE_SEGMENT_TERMS]);
+
 /* First time in the segment at which the acceleration equals `value`; -1 if there is none. */
 double scree_segment_first(const struct scree_segment *segment, double value);
 
@@ -45,6 +48,9 @@ int scree_profile_append(struct scree_profile *profile, const struct scree_segme
 
 /* State at any time; at rest before the start and after the end, as there. */
 struct scree_kinematics scree_profile_at(const struct scree_profile *profile, double time);
+
+/* Number of the segment that holds at `time`, the later one where two meet. */
+int scree_profile_segment(const struct scree_profile *profile, double time);
 
 /* Duration, s. */
 double scree_profile_duration(const struct scree_profile *profile);
@@ -61,8 +67,15 @@ int scree_profile_merge(struct scree_profile *profile, double tolerance);
 /* Largest jump of position (m), velocity, acceleration and jerk between neighbouring segments. */
 struct scree_kinematics scree_profile_jumps(const struct scree_profile *profile);
 
-/* Real roots in (low, high) of the polynomial with coefficients c[0 … degree], ascending, into `roots` (degree entries); returns
- * how many. Roots are found between those of the derivative, by bisection to rounding; double roots may be missed. */
+/* Largest |a| and |j| of extrema: what a drive has to give. */
+double scree_extrema_acceleration(const struct scree_extrema *extrema);
+double scree_extrema_jerk(const struct scree_extrema *extrema);
+
+/* Value of the polynomial c[0] + … + c[degree] u^degree. */
+double scree_polynomial(int degree, const double *c, double u);
+
+/* Real roots in (low, high) of the polynomial with coefficients c[0 … degree], degree <= 6, ascending, into `roots` (degree
+ * entries), in rising order; returns how many. Roots are found between those of the derivative, by bisection to rounding; double roots may be missed. */
 int scree_polynomial_roots(int degree, const double *c, double low, double high, double *roots);
 
 #endif

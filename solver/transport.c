@@ -17,8 +17,6 @@ static void fail(scree_plan *plan, enum scree_plan_state state, const char *form
     va_end(arguments);
 }
 
-static double slowing(const scree_transport *t) { return t->friction * t->gravity; }
-
 static void check_task(const scree_transport *t, double cycles, scree_plan *plan) {
     const double *f = t->fractions;
     double play = scree_transport_play(t);
@@ -84,7 +82,7 @@ static double travel(double d, double va, double vb, double aa, double ab) {
 /* Residuals of the linear formulation at v1, v2: stroke and gap, in m. */
 static void rigid_residuals(const scree_transport *t, const double time[5], double v1, double v2, double *stroke,
                             double *gap) {
-    double mu_g = slowing(t), d[4], slide = time[3] - time[1], v3 = v1 - mu_g * slide;
+    double mu_g = scree_transport_slowing(t), d[4], slide = time[3] - time[1], v3 = v1 - mu_g * slide;
     for (int k = 0; k < 4; k++) d[k] = time[k + 1] - time[k];
     double brake = travel(d[1], v1, v2, -mu_g, 0.0) + travel(d[2], v2, v3, 0.0, -mu_g);
     double all = travel(d[0], 0.0, v1, 0.0, -mu_g) + brake + travel(d[3], v3, 0.0, -mu_g, 0.0);
@@ -106,12 +104,12 @@ int scree_plan_rigid(const scree_transport *transport, double cycles, double v[3
     if (det == 0.0) return 1;
     v[0] = (-s0 * d + g0 * b) / det;
     v[1] = (-g0 * a + s0 * c) / det;
-    v[2] = v[0] - slowing(transport) * (plan.time[3] - plan.time[1]);
+    v[2] = v[0] - scree_transport_slowing(transport) * (plan.time[3] - plan.time[1]);
     return 0;
 }
 
 static void plan_a(const scree_transport *t, scree_plan *plan) {
-    double v[3], mu_g = slowing(t), a[3] = {-mu_g, 0.0, -mu_g};
+    double v[3], mu_g = scree_transport_slowing(t), a[3] = {-mu_g, 0.0, -mu_g};
     if (scree_plan_rigid(t, plan->cycles, v)) {
         fail(plan, SCREE_PLAN_NO_SOLUTION, "the linear equations for these time shares are singular");
         return;
@@ -153,20 +151,15 @@ static void scale_residuals(const struct task *task, const struct scree_profile 
     r[0] = (end - (t->distance - play)) / t->distance;
     r[1] = at->clearance / play;
     r[2] = (at->velocity - x[2]) * task->duration / t->distance;
-    r[3] = (x[3] - at->acceleration) / slowing(t);
+    r[3] = (x[3] - at->acceleration) / scree_transport_slowing(t);
 }
 
 /* A rigid product under this profile; nonzero if it never leaves the comb. */
 static int rigid_catch(const struct task *task, const struct scree_profile *profile, scree_catch *at) {
     const scree_transport *t = task->transport;
-    double mu_g = slowing(t), left = detachment(profile, mu_g);
+    double mu_g = scree_transport_slowing(t), left = detachment(profile, mu_g);
     if (left < 0.0) return 1;
-    struct scree_kinematics from = scree_profile_at(profile, left);
-    double slide = task->time[3] - left;
-    double x = from.x + from.v * slide - 0.5 * mu_g * slide * slide;
-    at->clearance = scree_transport_play(t) - (x - scree_profile_at(profile, task->time[3]).x);
-    at->velocity = from.v - mu_g * slide;
-    at->acceleration = -mu_g;
+    *at = scree_slide_catch(t, profile, left, task->time[3]);
     return 0;
 }
 
@@ -189,9 +182,10 @@ static scree_lm_outcome solve_b(struct task *task, double *x) {
 static void adopt_b(const scree_transport *t, const double *x, scree_plan *plan) {
     double a[3] = {0.0, 0.0, x[3]};
     adopt(plan, x, a);
-    plan->detached = detachment(&plan->profile, slowing(t));
+    plan->detached = detachment(&plan->profile, scree_transport_slowing(t));
     if (plan->detached < 0.0)
-        fail(plan, SCREE_PLAN_NO_DETACHMENT, "the comb never brakes harder than friction (%g m/s^2)", slowing(t));
+        fail(plan, SCREE_PLAN_NO_DETACHMENT, "the comb never brakes harder than friction (%g m/s^2)",
+             scree_transport_slowing(t));
     else
         plan->detached_velocity = scree_profile_at(&plan->profile, plan->detached).v;
 }
@@ -201,7 +195,7 @@ static void guess_b(const scree_transport *t, const scree_plan *plan, const doub
     double v[3] = {0};
     if (!guess) scree_plan_rigid(t, plan->cycles, v);
     for (int k = 0; k < 3; k++) x[k] = guess ? guess[k] : v[k];
-    x[3] = guess ? guess[3] : -slowing(t);
+    x[3] = guess ? guess[3] : -scree_transport_slowing(t);
 }
 
 static int plan_b(const scree_transport *t, const scree_plan_options *options, scree_plan *plan, double *x) {
@@ -297,23 +291,8 @@ static void plan_c(const scree_transport *t, const scree_plan_options *options, 
 
 /* ---- admissibility ---- */
 
-/* First time in (from, to) at which the product, free since the detachment, is outside the play; negative if never. `slack` (m)
- * allows for rounding and, in formulation C, for compliance. */
-static double leaves_play(const scree_transport *t, const scree_plan *plan, double slack) {
-    enum { STEPS = 2000 };
-    double mu_g = slowing(t), play = scree_transport_play(t);
-    struct scree_kinematics from = scree_profile_at(&plan->profile, plan->detached);
-    for (int k = 1; k < STEPS; k++) {
-        double slide = (plan->time[3] - plan->detached) * k / STEPS, time = plan->detached + slide;
-        double x = from.x + from.v * slide - 0.5 * mu_g * slide * slide - scree_profile_at(&plan->profile, time).x;
-        if (x < -slack || x > play + slack) return time;
-    }
-    return -1.0;
-}
-
 static void check_drive(const scree_transport *t, scree_plan *plan) {
-    double a = fmax(fabs(plan->extrema.least.a), fabs(plan->extrema.largest.a));
-    double j = fmax(fabs(plan->extrema.least.j), fabs(plan->extrema.largest.j));
+    double a = scree_extrema_acceleration(&plan->extrema), j = scree_extrema_jerk(&plan->extrema);
     if (t->largest_acceleration > 0.0 && a > t->largest_acceleration)
         fail(plan, SCREE_PLAN_ACCELERATION, "the comb needs %.4g m/s^2, the drive gives %.4g", a,
              t->largest_acceleration);
@@ -321,28 +300,38 @@ static void check_drive(const scree_transport *t, scree_plan *plan) {
         fail(plan, SCREE_PLAN_JERK, "the comb needs a jerk of %.4g m/s^3, the drive gives %.4g", j, t->largest_jerk);
 }
 
-void scree_plan_check(const scree_transport *t, scree_plan *plan) {
-    double mu_g = slowing(t), slack = 1e-6 * t->distance;
-    if (plan->extrema.least.v < -1e-9 * t->distance / plan->duration)
-        fail(plan, SCREE_PLAN_BACKWARDS, "the comb would move backwards at %.3g m/s", plan->extrema.least.v);
-    /* With zero jerk at the events: braking beyond friction in 12 and 34 (the quintic's deceleration starts flat). */
-    double d2 = plan->time[2] - plan->time[1], d4 = plan->time[4] - plan->time[3];
-    if (!((plan->event[1].v - plan->event[2].v) / d2 > 0.6 * mu_g))
-        fail(plan, SCREE_PLAN_NO_DETACHMENT,
-             "the comb brakes too softly for the product to leave it: (v1 - v2)/D2 = %.3g, friction %.3g m/s^2",
-             (plan->event[1].v - plan->event[2].v) / d2, mu_g);
-    if (!(plan->event[3].v / d4 > 0.6 * mu_g))
-        fail(plan, SCREE_PLAN_SECOND_SEPARATION,
-             "after the catch the comb brakes too softly: v3/D4 = %.3g, friction %.3g m/s^2", plan->event[3].v / d4,
-             mu_g);
-    double early = scree_segment_first(&plan->profile.segment[0], -mu_g * (1.0 + 1e-9));
-    if (early >= 0.0 && early < plan->profile.segment[0].duration * (1.0 - 1e-6))
+/* Between detachment and catch: not before event 1, and nothing met on the way. */
+static void check_slide(const scree_transport *t, scree_plan *plan) {
+    double mu_g = scree_transport_slowing(t), slack = 1e-6 * t->distance;
+    double early = scree_slide_detachment(&plan->profile, mu_g * (1.0 + 1e-9));
+    if (early >= 0.0 && early < plan->time[1] * (1.0 - 1e-6))
         fail(plan, SCREE_PLAN_EARLY_DETACHMENT, "the comb brakes harder than friction at %.4g s, before the push ends",
              early);
-    double contact = leaves_play(t, plan, slack);
+    /* The process model's product isn't rigid: at the catch it is elsewhere, and so it is on the way there. */
+    if (plan->simulations) slack += fabs(scree_slide_catch(t, &plan->profile, plan->detached, plan->time[3]).clearance);
+    double contact = scree_slide_leaves(t, &plan->profile, plan->detached, plan->time[3] * (1.0 - 1e-9), slack);
     if (contact >= 0.0)
         fail(plan, SCREE_PLAN_EARLY_CONTACT, "the product meets a tine again at %.4g s, before the catch at %.4g s",
              contact, plan->time[3]);
+}
+
+/* The first cause wins, so causes stand before their consequences: a comb that would move backwards does so because the speed is
+ * too low for the slide, which is what should be told. */
+void scree_plan_check(const scree_transport *t, scree_plan *plan) {
+    double mu_g = scree_transport_slowing(t), d4 = plan->time[4] - plan->time[3];
+    if (plan->detached < 0.0 || plan->detached > plan->time[3])
+        fail(plan, SCREE_PLAN_NO_DETACHMENT,
+             "the comb brakes too softly for the product to leave it: at most %.4g m/s^2, friction %.4g m/s^2",
+             fmax(-plan->extrema.least.a, 0.0), mu_g);
+    /* With zero jerk at event 3, where the comb brakes like friction: only then does the quintic brake harder at once. */
+    if (!(plan->event[3].v / d4 > 0.6 * mu_g))
+        fail(plan, SCREE_PLAN_SECOND_SEPARATION,
+             "after the catch the comb brakes too softly to hold the product: v3/D4 = %.4g m/s^2, needed %.4g m/s^2 "
+             "(a higher speed, or another last time share)",
+             plan->event[3].v / d4, 0.6 * mu_g);
+    if (plan->extrema.least.v < -1e-9 * t->distance / plan->duration)
+        fail(plan, SCREE_PLAN_BACKWARDS, "the comb would move backwards at %.3g m/s", -plan->extrema.least.v);
+    if (plan->state == SCREE_PLAN_GOOD) check_slide(t, plan);
     check_drive(t, plan);
 }
 
@@ -374,7 +363,7 @@ struct nine {
 static int residual_nine(void *context, const double *x, double *r) {
     const struct nine *nine = context;
     const scree_transport *t = nine->transport;
-    double mu_g = slowing(t), T = nine->duration, time[5] = {0.0, x[6], x[7], x[8], T}, d[4];
+    double mu_g = scree_transport_slowing(t), T = nine->duration, time[5] = {0.0, x[6], x[7], x[8], T}, d[4];
     for (int k = 0; k < 4; k++) {
         d[k] = time[k + 1] - time[k];
         if (!(d[k] > 0.0)) return 1;
@@ -401,7 +390,7 @@ scree_lm_outcome scree_plan_nine(const scree_transport *transport, double cycles
     double x[9] = {1.5 * mean, 0.5 * mean, 1.5 * mean, 0.0, 0.0, 0.0, 0.25 * T, 0.5 * T, 0.75 * T};
     struct nine nine = {transport, T};
     scree_lm_problem problem = {.unknowns = 9, .residuals = 9, .residual = residual_nine, .context = &nine};
-    double mu_g = slowing(transport), typical[9] = {mean, mean, mean, mu_g, mu_g, mu_g, T, T, T};
+    double mu_g = scree_transport_slowing(transport), typical[9] = {mean, mean, mean, mu_g, mu_g, mu_g, T, T, T};
     scree_lm_options options = {.central = 1, .typical = typical, .evaluations = 20000};
     plan->solver = scree_lm_solve(&problem, &options, x, workspace);
     if (!plan->solver.converged) fail(plan, SCREE_PLAN_NO_SOLUTION, "%s", scree_lm_text(plan->solver.reason));
@@ -410,87 +399,4 @@ scree_lm_outcome scree_plan_nine(const scree_transport *transport, double cycles
     plan->detached = plan->time[1];
     plan->detached_velocity = x[0];
     return plan->solver;
-}
-
-/* ---- time shares ---- */
-
-struct search {
-    scree_transport *transport;
-    const scree_plan_options *options;
-    enum scree_shares_rule rule;
-    scree_plan_cost *cost;
-    void *context;
-    double cycles;
-};
-
-static double cost_of(const struct search *search, const double f[3], scree_plan *plan) {
-    memcpy(search->transport->fractions, f, sizeof search->transport->fractions);
-    scree_plan_make(search->transport, search->cycles, search->options, plan);
-    if (plan->state != SCREE_PLAN_GOOD) return HUGE_VAL;
-    if (search->cost) return search->cost(search->context, plan);
-    double a = fmax(-plan->extrema.least.a, plan->extrema.largest.a),
-           j = fmax(-plan->extrema.least.j, plan->extrema.largest.j);
-    return search->rule == SCREE_LEAST_JERK ? j : a;
-}
-
-/* The simplex of four points in order of their costs. */
-static void order(double points[4][3], double costs[4]) {
-    for (int i = 1; i < 4; i++)
-        for (int k = i; k > 0 && costs[k] < costs[k - 1]; k--) {
-            double c = costs[k], p[3];
-            costs[k] = costs[k - 1];
-            costs[k - 1] = c;
-            memcpy(p, points[k], sizeof p);
-            memcpy(points[k], points[k - 1], sizeof p);
-            memcpy(points[k - 1], p, sizeof p);
-        }
-}
-
-/* centre + factor (centre - worst) */
-static void mirror(double points[4][3], double factor, double to[3]) {
-    for (int k = 0; k < 3; k++) {
-        double centre = (points[0][k] + points[1][k] + points[2][k]) / 3.0;
-        to[k] = centre + factor * (centre - points[3][k]);
-    }
-}
-
-void scree_plan_shares(scree_transport *transport, double cycles, const scree_plan_options *options,
-                       enum scree_shares_rule rule, scree_plan_cost *cost, void *context, scree_plan *plan) {
-    struct search search = {transport, options, rule, cost, context, cycles};
-    double points[4][3], costs[4], trial[3], wider[3];
-    for (int p = 0; p < 4; p++) {
-        memcpy(points[p], transport->fractions, sizeof points[p]);
-        if (p > 0) points[p][p - 1] += 0.03;
-        costs[p] = cost_of(&search, points[p], plan);
-    }
-    int most = cost ? 80 : 600;
-    for (int step = 0; step < most; step++) {
-        order(points, costs);
-        if (costs[3] < HUGE_VAL && costs[3] - costs[0] <= 1e-10 * costs[0]) break;
-        mirror(points, 1.0, trial);
-        double mirrored = cost_of(&search, trial, plan);
-        if (mirrored < costs[0]) {
-            mirror(points, 2.0, wider);
-            double expanded = cost_of(&search, wider, plan);
-            memcpy(points[3], expanded < mirrored ? wider : trial, sizeof trial);
-            costs[3] = fmin(expanded, mirrored);
-        } else if (mirrored < costs[2]) {
-            memcpy(points[3], trial, sizeof trial);
-            costs[3] = mirrored;
-        } else {
-            mirror(points, mirrored < costs[3] ? 0.5 : -0.5, trial);
-            double contracted = cost_of(&search, trial, plan);
-            if (contracted < fmin(mirrored, costs[3])) {
-                memcpy(points[3], trial, sizeof trial);
-                costs[3] = contracted;
-                continue;
-            }
-            for (int p = 1; p < 4; p++) {
-                for (int k = 0; k < 3; k++) points[p][k] = 0.5 * (points[0][k] + points[p][k]);
-                costs[p] = cost_of(&search, points[p], plan);
-            }
-        }
-    }
-    order(points, costs);
-    cost_of(&search, points[0], plan);
 }

@@ -27,6 +27,9 @@ static inline double scree_transport_play(const scree_transport *t) { return t->
 /* Transport time at n cycles a minute, s. */
 static inline double scree_transport_time(const scree_transport *t, double cycles) { return 60.0 * t->share / cycles; }
 
+/* Deceleration of the sliding product, m/s^2. */
+static inline double scree_transport_slowing(const scree_transport *t) { return t->friction * t->gravity; }
+
 enum scree_plan_state {
     SCREE_PLAN_GOOD = 0,
     SCREE_PLAN_BAD_TASK, /* numbers that make no sense: which, the text says */
@@ -115,26 +118,46 @@ void scree_plan_shares(scree_transport *transport, double cycles, const scree_pl
 /* ---- operating speeds ---- */
 
 /* Profile designed for one speed and scaled to another: clearance at event 3 for a rigid product, m (positive: the product is late);
- * MODEL: about mu g (L^2 - L_d^2)/2 with L the time between events 1 and 3. By the rigid simulation itself. */
+ * HUGE_VAL if the product doesn't leave the rear tines before. About mu g (L^2 - L_d^2)/2 with L the time between events 1 and
+ * 3, as if the product always left at event 1; a slower profile loses it later, and a faster one before. */
 double scree_scaled_clearance(const scree_transport *transport, const scree_plan *design, double cycles);
 
-/* The product, rigid and free after detachment, under a comb's profile: position error at rest where both tines act as plastic
- * (`restitution` 0) to elastic (1) stops, and the speed of the first meeting with the front tines (0 if none). */
+/* The design's plan, scaled to another speed and checked there. */
+void scree_plan_scaled(const scree_transport *transport, const scree_plan *design, double cycles, scree_plan *plan);
+
+/* A rigid product under a profile of a comb that doesn't move backwards. First time at which the comb brakes harder than
+ * `deceleration` (> 0, m/s^2), so that the product leaves the rear tines; negative if it never does. */
+double scree_slide_detachment(const struct scree_profile *profile, double deceleration);
+
+/* First time, not before `from`, at which it brakes softer than that, so that a caught product leaves the front tines; negative if
+ * it never does. */
+double scree_slide_release(const struct scree_profile *profile, double deceleration, double from);
+
+/* What a product that leaves at `left` has at `until`, if nothing is in its way and it still moves then. */
+scree_catch scree_slide_catch(const scree_transport *transport, const struct scree_profile *profile, double left,
+                              double until);
+
+/* First time between `left` and `until` at which that product is outside of the play by more than `slack` (m); negative if never. */
+double scree_slide_leaves(const scree_transport *transport, const struct scree_profile *profile, double left,
+                          double until, double slack);
+
+/* The whole motion until the product rests, with tines that act as plastic (`restitution` 0) to elastic (1) stops. */
 typedef struct scree_slide {
     double error;         /* final position beyond the target, m */
-    double first_contact; /* relative speed at the first meeting with the front tines, m/s */
+    double first_contact; /* relative speed at the first meeting with the front tines, m/s; 0 if there is none */
     int detached;         /* the product left the rear tines */
-    int impacts;          /* meetings with tines */
+    int impacts;          /* meetings with tines, the small last ones of a bouncing product too */
+    int unfinished;       /* given up after 20000 events: a restitution of nearly 1 */
 } scree_slide;
 scree_slide scree_slide_simulate(const scree_transport *transport, const struct scree_profile *profile,
                                  double restitution);
 
-/* Limits of the new motion, cycles a minute. */
-double scree_limit_detachment(const scree_transport *transport, const scree_plan *design); /* a scaled profile: n_det */
-double
-scree_limit_low(const scree_transport *transport); /* a freshly planned one: n_low (formulation A, zero event jerk) */
-double scree_limit_drive(const scree_transport *transport, double low,
-                         double high); /* where the drive's limits are met; HUGE_VAL: none */
+/* Limits of the new motion, cycles a minute. A scaled profile loses its product only above n_det: */
+double scree_limit_detachment(const scree_transport *transport, const scree_plan *design);
+/* a freshly planned one (formulation A) keeps it caught only above n_low = 60 r sqrt(0.3 mu g/s_P) (quarter shares): */
+double scree_limit_low(const scree_transport *transport);
+/* and the drive's limits are met at this speed between low and high (HUGE_VAL: they aren't; `low`: already there). */
+double scree_limit_drive(const scree_transport *transport, double low, double high);
 
 /* Range of speeds around the design in which the scaled profile's error stays within `tolerance` (m). */
 void scree_limit_range(const scree_transport *transport, const scree_plan *design, double restitution, double tolerance,

@@ -1,0 +1,29 @@
+/* Tables that a motion controller can read: comma-separated rows of time, position, velocity, acceleration, jerk. */
+#ifndef SCREE_SOLVER_TABLE_H
+#define SCREE_SOLVER_TABLE_H
+
+#include "solver/cycle.h"
+
+#include <stdio.h>
+
+/* Zero means the default. */
+typedef struct scree_table_options {
+    double rate; /* rows a second, > 0; further rows stand where segments meet and at the end */
+    double
+        cycles; /* operating speed, 1/min; above 0: the first column is the machine's angle (degrees, 360 a cycle), not the time */
+    int both_sides; /* where acceleration or jerk jump, write a row for either side; else only for the later one, so that times
+                       rise strictly */
+} scree_table_options;
+
+/* Columns time_s (or angle_deg), x_m, v_m_s, a_m_s2, j_m_s3; numbers with 17 digits, which read back as the same bits; first row at
+ * the profile's start, last one exactly at its end.
+ *
+ * The travel between two rows of one segment is h (v0 + v1)/2 + h^2 (a0 - a1)/10 + h^3 (j0 + j1)/120 without error but rounding
+ * (Hermite's quadrature of the quintic through both rows), so the sum over all rows gives the end position back; over jumps,
+ * with `both_sides`. Returns 0, or 1 if the rate makes no sense or writing failed (errno). */
+int scree_table_write(FILE *file, const struct scree_profile *profile, const scree_table_options *options);
+
+/* The same for both coordinates of a cycle: columns z_m, vz_m_s, az_m_s2, jz_m_s3 follow. */
+int scree_table_write_cycle(FILE *file, const scree_cycle *cycle, const scree_table_options *options);
+
+#endif
