@@ -405,7 +405,7 @@ static const char parts_text[] =
     "gravity = { vector = [0, 0, -9.81], axis = [0, 1, 0], tilt = \"tip\" }\n[time]\nend = 0.1\n"
     "[[material]]\nname = \"ball\"\ndensity = 1000\n[[material]]\nname = \"wall\"\n"
     "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnone = true\n"
-    "[[contact]]\nbetween = [\"ball\", \"wall\"]\nnormal = { law = \"linear-cut\", stiffness = 5e3, restitution = 0.7 "
+    "[[contact]]\nbetween = [\"ball\", \"wall\"]\nnormal = { law = \"linear-cut\", stiffness = 5e3, damping = 2.0 "
     "}\n"
     "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 4e3 }\n"
     "[[motion]]\nname = \"tip\"\nkind = \"velocity\"\nvelocity = 0.3\n"
