@@ -8,6 +8,24 @@
 
 static const double two_pi = 6.28318530717958647692;
 
+/* Value of a piece at time t after its start. */
+static struct scree_motion_value value_of(const struct scree_motion_piece *piece, double t) {
+    const double *c = piece->c;
+    struct scree_motion_value value;
+    value.position = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * (c[5] + t * c[6])))));
+    value.velocity =
+        c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5] + t * t * 6.0 * c[6])));
+    value.acceleration = 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5] + t * t * 30.0 * c[6]));
+    if (piece->amplitude != 0.0) {
+        double sine, cosine;
+        scree_sincos(piece->rate * t + piece->phase, &sine, &cosine);
+        value.position += piece->amplitude * sine;
+        value.velocity += piece->amplitude * piece->rate * cosine;
+        value.acceleration -= piece->amplitude * piece->rate * piece->rate * sine;
+    }
+    return value;
+}
+
 static scree_status check_finite(double value, const char *field, scree_trouble *trouble) {
     if (isfinite(value)) return SCREE_OK;
     return scree_report(trouble, SCREE_BAD_INPUT, field, "%s of a motion must be a finite number", field);
@@ -51,8 +69,10 @@ static scree_status check_table(const scree_motion_def *def, scree_trouble *trou
     if (!status) status = check_column(def->positions, "positions", def->rows, trouble);
     if (!status && def->table >= SCREE_TABLE_CUBIC)
         status = check_column(def->velocities, "velocities", def->rows, trouble);
-    if (!status && def->table == SCREE_TABLE_QUINTIC)
+    if (!status && def->table >= SCREE_TABLE_QUINTIC)
         status = check_column(def->accelerations, "accelerations", def->rows, trouble);
+    if (!status && def->table == SCREE_TABLE_VELOCITY_QUINTIC)
+        status = check_column(def->jerks, "jerks", def->rows, trouble);
     if (status) return status;
     for (size_t k = 1; k < def->rows; k++)
         if (!(def->times[k] > def->times[k - 1]))
@@ -112,7 +132,36 @@ static void table_piece(const scree_motion_def *def, size_t k, const double *m, 
         c[5] = (6.0 * rise - 3.0 * (va + vb) + 0.5 * (ab - aa)) / (h3 * h * h);
         break;
     }
+    case SCREE_TABLE_VELOCITY_QUINTIC: { /* the quintic above, one derivative higher, and its integral */
+        double more = def->velocities[k + 1] - def->velocities[k];
+        double aa = def->accelerations[k] * h, ab = def->accelerations[k + 1] * h;
+        double ja = def->jerks[k] * h * h, jb = def->jerks[k + 1] * h * h, h3 = h * h * h;
+        c[1] = def->velocities[k];
+        c[2] = def->accelerations[k] / 2.0;
+        c[3] = def->jerks[k] / 6.0;
+        c[4] = (10.0 * more - 6.0 * aa - 4.0 * ab - 1.5 * ja + 0.5 * jb) / (4.0 * h3);
+        c[5] = (-15.0 * more + 8.0 * aa + 7.0 * ab + 1.5 * ja - jb) / (5.0 * h3 * h);
+        c[6] = (6.0 * more - 3.0 * (aa + ab) + 0.5 * (jb - ja)) / (6.0 * h3 * h * h);
+        break;
     }
+    }
+}
+
+/* The pieces of a velocity table meet: the positions given are the integral of the velocity. */
+static scree_status check_integral(const scree_motion_def *def, const struct scree_motion *motion,
+                                   scree_trouble *trouble) {
+    double span = 0.0;
+    for (size_t k = 0; k < def->rows; k++) span = fmax(span, fabs(def->positions[k] - def->positions[0]));
+    for (size_t k = 0; k + 1 < def->rows; k++) {
+        double h = def->times[k + 1] - def->times[k], x = value_of(&motion->pieces[1 + k], h).position;
+        /* Rounding of the coefficients and of what the table was written with. */
+        if (fabs(x - def->positions[k + 1]) <= 1e-9 * span) continue;
+        return scree_report(
+            trouble, SCREE_BAD_INPUT, "table",
+            "row %zu of a motion table: the position is %.9g, but the integral of the velocity leads to %.9g", k + 2,
+            def->positions[k + 1], x);
+    }
+    return SCREE_OK;
 }
 
 static scree_status bake_table(const scree_motion_def *def, struct scree_motion *motion, scree_trouble *trouble) {
@@ -128,7 +177,7 @@ static scree_status bake_table(const scree_motion_def *def, struct scree_motion 
     motion->pieces[0].c[0] = def->positions[0];
     motion->pieces[1 + last].start = def->times[last];
     motion->pieces[1 + last].c[0] = def->positions[last];
-    return SCREE_OK;
+    return def->table == SCREE_TABLE_VELOCITY_QUINTIC ? check_integral(def, motion, trouble) : SCREE_OK;
 }
 
 static void bake_formula(const scree_motion_def *def, struct scree_motion *motion) {
@@ -201,19 +250,5 @@ struct scree_motion_value scree_motion_at(const struct scree_motion *motion, dou
         else
             high = middle;
     }
-    const struct scree_motion_piece *piece = &motion->pieces[low];
-    const double *c = piece->c;
-    double t = time - piece->start;
-    struct scree_motion_value value;
-    value.position = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
-    value.velocity = c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
-    value.acceleration = 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5]));
-    if (piece->amplitude != 0.0) {
-        double sine, cosine;
-        scree_sincos(piece->rate * t + piece->phase, &sine, &cosine);
-        value.position += piece->amplitude * sine;
-        value.velocity += piece->amplitude * piece->rate * cosine;
-        value.acceleration -= piece->amplitude * piece->rate * piece->rate * sine;
-    }
-    return value;
+    return value_of(&motion->pieces[low], time - motion->pieces[low].start);
 }

@@ -19,10 +19,12 @@ typedef enum scree_rise_law {
 } scree_rise_law;
 
 typedef enum scree_table_law {
-    SCREE_TABLE_LINEAR = 0, /* straight between the points: the velocity jumps there */
-    SCREE_TABLE_SPLINE,     /* natural cubic spline: acceleration without jumps, zero at both ends */
-    SCREE_TABLE_CUBIC,      /* cubic pieces through position and velocity */
-    SCREE_TABLE_QUINTIC     /* quintic pieces through position, velocity and acceleration */
+    SCREE_TABLE_LINEAR = 0,      /* straight between the points: the velocity jumps there */
+    SCREE_TABLE_SPLINE,          /* natural cubic spline: acceleration without jumps, zero at both ends */
+    SCREE_TABLE_CUBIC,           /* cubic pieces through position and velocity */
+    SCREE_TABLE_QUINTIC,         /* quintic pieces through position, velocity and acceleration */
+    SCREE_TABLE_VELOCITY_QUINTIC /* velocity in quintic pieces through velocity, acceleration and jerk; the positions must be
+                                    its integral */
 } scree_table_law;
 
 /* A motion starts at `offset` and rests there until `start`; after its end it keeps its last position. Angles count
@@ -43,13 +45,14 @@ typedef struct scree_motion_def {
     size_t rows;                 /* TABLE: >= 2 */
     const double *times;         /* TABLE: s, strictly increasing */
     const double *positions;     /* TABLE */
-    const double *velocities;    /* TABLE: CUBIC and QUINTIC */
-    const double *accelerations; /* TABLE: QUINTIC */
+    const double *velocities;    /* TABLE: CUBIC and the quintics */
+    const double *accelerations; /* TABLE: both quintics */
+    const double *jerks;         /* TABLE: VELOCITY_QUINTIC */
 } scree_motion_def;
 
 struct scree_motion_piece {
     double start;
-    double c[6];                   /* position = sum of c[k] (t - start)^k + … */
+    double c[7];                   /* position = sum of c[k] (t - start)^k + … */
     double amplitude, rate, phase; /* … + amplitude sin(rate (t - start) + phase) */
 };
 

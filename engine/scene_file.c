@@ -232,7 +232,8 @@ static const struct {
 } motion_columns[] = {{"time", {"time", "time_s"}},
                       {"position", {"position", "position_m", "position_rad"}},
                       {"velocity", {"velocity", "velocity_m_s", "velocity_rad_s"}},
-                      {"acceleration", {"acceleration", "acceleration_m_s2", "acceleration_rad_s2"}}};
+                      {"acceleration", {"acceleration", "acceleration_m_s2", "acceleration_rad_s2"}},
+                      {"jerk", {"jerk", "jerk_m_s3", "jerk_rad_s3"}}};
 
 enum { MOTION_COLUMNS = sizeof motion_columns / sizeof motion_columns[0] };
 
@@ -259,7 +260,7 @@ static void check_motion_columns(struct reader *r, const char *path, const struc
             complain_in_table(
                 r, path, table->header, table->at[k],
                 "there is no column \"%s\" in a motion table: it has time_s, position_m (or position_rad) "
-                "and, if wanted, velocity_m_s and acceleration_m_s2 (or …_rad_…), in these units%s",
+                "and, if wanted, velocity_m_s, acceleration_m_s2 and jerk_m_s3 (or …_rad_…), in these units%s",
                 table->name[k], scree_hint(table->name[k], all).text);
         else if (seen[found]++)
             complain_in_table(r, path, table->header, table->at[k], "two columns for the %s",
@@ -269,8 +270,10 @@ static void check_motion_columns(struct reader *r, const char *path, const struc
         if (!seen[m])
             complain_in_table(r, path, table->header, 1,
                               "the table needs the columns time_s and position_m (or position_rad)");
-    if (!r->status && seen[3] && !seen[2])
-        complain_in_table(r, path, table->header, 1, "the accelerations of a motion count only beside velocities");
+    for (int m = 3; m < MOTION_COLUMNS && !r->status; m++)
+        if (seen[m] && !seen[m - 1])
+            complain_in_table(r, path, table->header, 1, "the %s of a motion counts only beside its %s",
+                              motion_columns[m].quantity, motion_columns[m - 1].quantity);
     if (!r->status && table->rows < 2)
         complain_in_table(r, path, 0, 0, "a motion needs at least 2 rows of numbers, this table has %zu", table->rows);
 }
@@ -291,12 +294,13 @@ static void read_table_file(struct reader *r, const struct scree_toml *node, str
     free(path);
 }
 
-/* rows = [[time, position, …], …] as columns in the order time, position, velocity, acceleration. */
+/* rows = [[time, position, …], …] as columns in the order time, position, velocity, acceleration, jerk. */
 static void read_rows(struct reader *r, const struct scree_toml *rows, struct scree_table *table) {
-    static const char *const names[] = {"time", "position", "velocity", "acceleration"};
+    static const char *const names[] = {"time", "position", "velocity", "acceleration", "jerk"};
     int columns = rows->first && rows->first->type == SCREE_TOML_ARRAY ? rows->first->count : 0;
-    if (rows->type != SCREE_TOML_ARRAY || columns < 2 || columns > 4) {
-        complain(r, rows, "rows must be an array of rows [time, position] and, if wanted, velocity and acceleration");
+    if (rows->type != SCREE_TOML_ARRAY || columns < 2 || columns > 5) {
+        complain(r, rows,
+                 "rows must be an array of rows [time, position] and, if wanted, velocity, acceleration and jerk");
         return;
     }
     for (int k = 0; k < columns; k++) {
@@ -324,7 +328,7 @@ static void read_rows(struct reader *r, const struct scree_toml *rows, struct sc
 
 static void read_motion_table(struct reader *r, const struct scree_toml *table, scree_motion_def *def,
                               struct scree_table *columns) {
-    static const char *const laws[] = {"linear", "spline", "cubic", "quintic", NULL};
+    static const char *const laws[] = {"linear", "spline", "cubic", "quintic", "velocity-quintic", NULL};
     const struct scree_toml *file = scree_toml_get(table, "file"), *rows = scree_toml_get(table, "rows");
     if (!file == !rows) {
         complain(r, table, "a table motion needs either rows = [[time, position], …] or file = \"….csv\"");
@@ -341,7 +345,11 @@ static void read_motion_table(struct reader *r, const struct scree_toml *table, 
     def->positions = scree_table_column(columns, "position");
     def->velocities = scree_table_column(columns, "velocity");
     def->accelerations = scree_table_column(columns, "acceleration");
-    def->table = def->velocities ? (def->accelerations ? SCREE_TABLE_QUINTIC : SCREE_TABLE_CUBIC) : SCREE_TABLE_LINEAR;
+    def->jerks = scree_table_column(columns, "jerk");
+    def->table = def->jerks           ? SCREE_TABLE_VELOCITY_QUINTIC
+                 : def->accelerations ? SCREE_TABLE_QUINTIC
+                 : def->velocities    ? SCREE_TABLE_CUBIC
+                                      : SCREE_TABLE_LINEAR;
     const struct scree_toml *law = scree_toml_get(table, "interpolation");
     if (law) def->table = (scree_table_law)choose(r, law, "interpolation", laws);
 }

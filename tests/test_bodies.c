@@ -158,16 +158,52 @@ static void test_formula_motions(void) {
     scree_motion_free(&motion);
 }
 
-/* A quintic polynomial and its derivatives, which quintic tables must reproduce. */
-static double polynomial(double t, int derivative) {
-    static const double c[6] = {0.3, -1.0, 2.0, 0.7, -0.4, 0.25};
+/* A polynomial and its derivatives, which tables must reproduce: of degree 5, or 6 for quintics in the velocity. */
+static double polynomial_of(int degree, double t, int derivative) {
+    static const double c[7] = {0.3, -1.0, 2.0, 0.7, -0.4, 0.25, 0.15};
     double sum = 0.0;
-    for (int k = derivative; k < 6; k++) {
+    for (int k = derivative; k <= degree; k++) {
         double factor = c[k];
         for (int d = 0; d < derivative; d++) factor *= k - d;
         sum += factor * pow(t, k - derivative);
     }
     return sum;
+}
+
+static double polynomial(double t, int derivative) { return polynomial_of(5, t, derivative); }
+
+static void test_velocity_table(void) {
+    enum { ROWS = 9 };
+    double times[ROWS], values[4][ROWS];
+    for (int k = 0; k < ROWS; k++) {
+        times[k] = 0.25 * k + 0.03 * sin(7.0 * k);
+        for (int d = 0; d < 4; d++) values[d][k] = polynomial_of(6, times[k], d);
+    }
+    scree_trouble trouble;
+    struct scree_motion motion;
+    scree_motion_def def = {.kind = SCREE_MOTION_TABLE,
+                            .table = SCREE_TABLE_VELOCITY_QUINTIC,
+                            .rows = ROWS,
+                            .times = times,
+                            .positions = values[0],
+                            .velocities = values[1],
+                            .accelerations = values[2],
+                            .jerks = values[3]};
+    CHECK(scree_motion_bake(&def, &motion, &trouble) == SCREE_OK);
+    for (double t = times[0] + 0.013; t < times[ROWS - 1]; t += 0.03) {
+        /* Rounding of values up to 60, over rows of 0.2 s for the acceleration. */
+        NEAR(scree_motion_at(&motion, t).position, polynomial_of(6, t, 0), 1e-13);
+        NEAR(scree_motion_at(&motion, t).velocity, polynomial_of(6, t, 1), 1e-12);
+        NEAR(scree_motion_at(&motion, t).acceleration, polynomial_of(6, t, 2), 1e-11);
+    }
+    scree_motion_free(&motion);
+    values[0][4] += 1e-6;
+    CHECK(scree_motion_bake(&def, &motion, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "row 5");
+    CONTAINS(trouble.text, "integral of the velocity");
+    def.jerks = NULL;
+    CHECK(scree_motion_bake(&def, &motion, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "jerks");
 }
 
 static void test_table_motions(void) {
@@ -397,6 +433,7 @@ int main(void) {
     test_shapes();
     test_formula_motions();
     test_table_motions();
+    test_velocity_table();
     test_top();
     test_joints();
     test_path();
