@@ -1,0 +1,55 @@
+/* The process model in the planner's loop: the scene of a comb, a product and two slide surfaces, with the comb's stroke given by a
+ * profile. The scene file says what touches how; here its numbers are set from the task, and the outcome is measured. */
+#ifndef SCREE_CLI_PROCESS_H
+#define SCREE_CLI_PROCESS_H
+
+#include "engine/scree.h"
+#include "solver/sensitivity.h"
+
+/* What the scene is made from. SI units. */
+struct process {
+    char *text; /* of the scene file, owned */
+    size_t size;
+    const char *name;                                    /* of the scene file */
+    double length, depth, height, mass;                  /* product: along x, across, upwards, m; kg */
+    double gap;                                          /* clear distance between rear and front tines, m */
+    double start;                                        /* the product's lead before the rear tines at the start, m */
+    double static_friction, kinetic_friction, threshold; /* product on surface; threshold m/s */
+    double tine_stiffness, tine_restitution;             /* of all tines that one product meets, N/m */
+    double surface_stiffness;                            /* of all that carry it, N/m */
+    double gravity;                                      /* m/s^2 */
+    double step;                                         /* largest step, s */
+};
+
+/* The scene of a task from the scene file at `path`: the standard product, tines and surfaces, changed where `task` says so.
+ * To be freed with process_free. */
+scree_status process_load(struct process *process, const char *path, const scree_transport *task,
+                          scree_trouble *trouble);
+void process_free(struct process *process);
+
+/* State of the model at one instant. */
+struct process_sample {
+    double time, comb, comb_velocity, product, product_velocity; /* product: its rear face */
+    double push, catch_force;                                    /* of rear and front tines on it, N */
+};
+
+/* One whole run with rear and front tines. */
+struct process_run {
+    double error;                   /* final position of the product beyond the target, m */
+    double approach;                /* relative speed at the first touch of the front tines, m/s; 0: none */
+    double touched;                 /* s, when; 0: never */
+    double catch_force, push_force; /* largest, N */
+    void (*watch)(void *context, const struct process_sample *sample); /* called every `every` seconds; may be NULL */
+    void *context;
+    double every;
+    scree_trouble trouble;
+};
+
+/* Formulation C's view of the model (a scree_process; `context` is a struct process): the state at `until`, front tines off. */
+int process_catch(void *process, const struct scree_profile *profile, double until, scree_catch *result);
+
+/* Run the profile with all tines until the product rests; `target` is its wanted final position, m. */
+scree_status process_simulate(const struct process *process, const struct scree_profile *profile, double target,
+                              struct process_run *run);
+
+#endif
