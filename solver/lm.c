@@ -22,6 +22,7 @@ struct solver {
     double *scratch, *rest;                          /* n (n + 5) and m entries */
     double *inverse, *keep;                          /* of the polish: n x n, 3 n entries */
     int *pivot, *index;                              /* index: which unknowns the free columns belong to */
+    char *seen;                                      /* unknowns whose column has been other than zero */
     char *held;                                      /* unknowns at a bound that the gradient presses them against */
     int free;
     double unit; /* of r: a power of two, so that no product leaves the range of numbers and no digit is lost */
@@ -311,11 +312,15 @@ static int report(struct solver *s) {
     return s->options.callback(s->options.callback_context, &progress);
 }
 
-/* Scales: the largest norm that each column has had. */
+/* Scales: the largest norm that each column has had. A column that has been zero so far counts as if its unknown could change the
+ * residual by its own length; that only takes part in |D x|, for the unknown doesn't move. */
 static void rescale(struct solver *s, int first) {
     for (int j = 0; j < s->n; j++) {
-        if (first) s->d[j] = s->norms[j] > 0.0 ? s->norms[j] : 1.0;
-        s->d[j] = fmax(s->d[j], s->norms[j]);
+        int seen = !first && s->seen[j];
+        s->d[j] = seen ? fmax(s->d[j], s->norms[j]) : s->norms[j];
+        s->seen[j] = s->d[j] > 0.0;
+        if (!s->seen[j]) s->d[j] = s->x[j] != 0.0 ? fabs(s->norm / s->x[j]) : s->norm;
+        if (s->d[j] == 0.0) s->d[j] = 1.0;
     }
     for (int k = 0; k < s->free; k++) s->free_d[k] = s->d[s->index[k]];
     if (!first) return;
@@ -327,7 +332,7 @@ static void rescale(struct solver *s, int first) {
 static void iterate(struct solver *s) {
     int differences = s->problem->jacobian ? 0 : s->n * (s->options.central ? 2 : 1);
     for (int first = 1;; first = 0) {
-        if (s->outcome.residual_calls + differences > s->options.evaluations) {
+        if (s->outcome.residual_calls + differences >= s->options.evaluations) {
             s->outcome.reason = SCREE_LM_EVALUATIONS;
             return;
         }
@@ -375,7 +380,7 @@ static scree_lm_reason judge(struct solver *s, scree_lm_reason reason) {
     if (s->norm == 0.0) return reason;
     for (int j = 0; j < s->n; j++) {
         double size = fmax(fabs(s->x[j]), s->keep[j]); /* keep: |x| at the start */
-        if (!s->held[j] && s->d[j] * size > 1e-6 * s->norm && s->norms[j] * size < 1e-12 * s->norm)
+        if (!s->held[j] && s->seen[j] && s->d[j] * size > 1e-6 * s->norm && s->norms[j] * size < 1e-12 * s->norm)
             return SCREE_LM_RUN_AWAY;
     }
     if (bounded(s)) factor(s, s->r);
@@ -456,7 +461,7 @@ static scree_lm_options with_defaults(const scree_lm_options *given, int n) {
     if (o.radius == 0.0) o.radius = 1e-12;
     if (o.cosine == 0.0) o.cosine = 1e-14;
     if (o.first == 0.0) o.first = 0.28;
-    if (o.evaluations == 0) o.evaluations = 200 * (n + 1);
+    if (o.evaluations == 0) o.evaluations = n >= 1 && n <= SCREE_LM_UNKNOWNS ? 200 * (n + 1) : 1;
     return o;
 }
 
@@ -480,7 +485,7 @@ size_t scree_lm_workspace(int unknowns, int residuals) {
     if (!sizes_fit(unknowns, residuals)) return 0;
     size_t n = (size_t)unknowns, m = (size_t)residuals;
     size_t doubles = 2 * m * n + 5 * m + 2 * n * n + 13 * n + n * (n + 5);
-    return doubles * sizeof(double) + 2 * n * sizeof(int) + n;
+    return doubles * sizeof(double) + 2 * n * sizeof(int) + 2 * n;
 }
 
 static double *take(double **memory, int count) {
@@ -516,7 +521,8 @@ static void lay_out(struct solver *s, void *workspace) {
     s->pivot = (int *)memory;
     s->index = s->pivot + n;
     s->held = (char *)(s->index + n);
-    memset(s->held, 0, (size_t)n);
+    s->seen = s->held + n;
+    memset(s->held, 0, 2 * (size_t)n);
     memset(s->norms, 0, 2 * (size_t)n * sizeof(double)); /* and the gradient, which follows */
     /* Without a loss the residual is the raw one, and without bounds J is factored in place. */
     if (s->options.loss == SCREE_LM_SQUARES) s->raw = s->r;
