@@ -180,6 +180,11 @@ check 'no such figure' 2 'no figure "99"' "$scree" reproduce 99
 check 'figures without gnuplot' 0 "gnuplot can't be started" env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 9 11b
 for file in fig_9.csv fig_9.gp fig_11b.csv report.csv; do expect "reproduce writes $file" test -s "$work/figures/$file"; done
 nothing_left "$work/figures/fig_9.svg"
+normal_laws=$("$scree" laws | sed -n '/^normal/,/^friction/s/^  \([a-z-]*\) .*/\1/p')
+check 'figure 8' 0 'bounds met' env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 8
+friction_laws=$("$scree" laws | sed -n '/^friction/,$s/^  \([a-z-]*\) .*/\1/p')
+for law in $friction_laws; do expect "figure 9 draws $law" grep -q "^\"$law\"," "$work/figures/fig_9.csv"; done
+for law in $normal_laws; do expect "figure 8 draws $law" grep -q "^\"$law\"," "$work/figures/fig_8.csv"; done
 if command -v gnuplot >/dev/null; then
     check 'figures with gnuplot' 0 'bounds met' "$scree" reproduce -o "$work/figures" 9
     expect 'a plot is drawn' grep -q '</svg>' "$work/figures/fig_9.svg"
