@@ -48,6 +48,26 @@ for law in $("$scree" laws | sed -n 's/^  \([a-z-]*\) .*/\1/p'); do check "laws 
 for scene in "$scenes"/*.toml; do check "check $scene" 0 'step:' "$scree" check "$scene"; done
 check 'check from standard input' 0 'bodies: 3' sh -c "'$scree' check - <'$scenes/incline.toml'"
 
+# The README's scene and the commands under it, as they stand there.
+section() { sed -n '/^## A scene, from file to plot/,/^## The map/p' "$root/README.md" | sed -n "/^\`\`\`$1/,/^\`\`\`\$/p" | sed '/^```/d'; }
+section toml >"$work/readme.toml"
+check 'scene of the README' 0 'bodies: 2' "$scree" check "$work/readme.toml"
+mkdir "$work/readme" "$work/readme/build"
+ln -s "$scree" "$work/readme/build/scree"
+ln -s "$root/data" "$work/readme/data"
+section sh | grep '^build/' >"$work/readme/commands"
+expect 'commands of the README' test "$(wc -l <"$work/readme/commands")" -ge 2
+check 'commands of the README' 0 'written to bounce' sh -ec "cd '$work/readme' && . ./commands"
+if command -v gnuplot >/dev/null; then
+    section sh | sed '/^build/d' >"$work/readme/plot"
+    check 'plot of the README' 0 '' sh -ec "cd '$work/readme' && . ./plot"
+    expect 'plot of the README is drawn' grep -q '</svg>' "$work/readme/bounce/height.svg"
+fi
+# Whatever runs of the tree's scenes leave in the tree is ignored there.
+for scene in "$scenes"/*.toml; do
+    expect "the folder of $scene is ignored" grep -q "^/$(basename "$scene" .toml)/" "$root/.gitignore"
+done
+
 # A short run: what it writes.
 out=$work/out
 check run 0 'state hash' "$scree" run "$scenes/transport.toml" -o "$out" --set time.end=0.02 --set time.step=1e-5
