@@ -137,11 +137,11 @@ struct scree_shown scree_shown(const char *name) {
     return shown;
 }
 
-/* Edits (insert, delete, replace) that turn a into b; names longer than 63 characters count as far. */
+/* Edits (insert, delete, replace) that turn a into b; names longer than 63 characters are far from all. */
 static size_t edit_distance(const char *a, const char *b) {
     size_t row[64];
     size_t length_a = strlen(a), length_b = strlen(b);
-    if (length_a > 63 || length_b > 63) return 64;
+    if (length_a > 63 || length_b > 63) return (size_t)-1;
     for (size_t j = 0; j <= length_b; j++) row[j] = j;
     for (size_t i = 1; i <= length_a; i++) {
         size_t diagonal = row[0];

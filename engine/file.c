@@ -1,10 +1,12 @@
 /* Files: reading a whole one; writing one under a temporary name until it is whole. */
 #include "engine/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* Append the rest of the stream to a growing text. SCREE_OK leaves it NUL-terminated. */
 static scree_status read_stream(FILE *file, const char *path, size_t largest, char **text, size_t *size,
@@ -50,28 +52,36 @@ char *scree_join(const char *folder, const char *name) {
     return path;
 }
 
-scree_status scree_out_open(struct scree_out *out, const char *path, scree_trouble *trouble) {
-    size_t size = strlen(path) + sizeof ".part";
-    *out = (struct scree_out){.path = strdup(path), .temporary = malloc(size)};
-    if (!out->path || !out->temporary) {
-        scree_out_drop(out, 0);
-        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
-    }
-    snprintf(out->temporary, size, "%s.part", path);
-    out->file = fopen(out->temporary, "wb");
-    if (out->file) return SCREE_OK;
-    scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->temporary, strerror(errno));
-    scree_out_drop(out, 1);
-    return SCREE_NO_FILE;
-}
-
 static void forget(struct scree_out *out) {
     free(out->path);
     free(out->temporary);
     *out = (struct scree_out){0};
 }
 
-scree_status scree_out_keep(struct scree_out *out, scree_trouble *trouble) {
+scree_status scree_out_open(struct scree_out *out, const char *path, scree_trouble *trouble) {
+    size_t size = strlen(path) + sizeof ".part";
+    *out = (struct scree_out){.path = strdup(path), .temporary = malloc(size)};
+    if (!out->path || !out->temporary) {
+        forget(out);
+        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    }
+    snprintf(out->temporary, size, "%s.part", path);
+    out->file = fopen(out->temporary, "wb");
+    if (out->file) return SCREE_OK;
+    scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->temporary, strerror(errno));
+    forget(out);
+    return SCREE_NO_FILE;
+}
+
+/* An error after which nothing of the file is left. */
+static scree_status give_up(struct scree_out *out, int error, scree_trouble *trouble) {
+    scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->path, error ? strerror(error) : "write error");
+    remove(out->temporary);
+    forget(out);
+    return SCREE_NO_FILE;
+}
+
+scree_status scree_out_finish(struct scree_out *out, scree_trouble *trouble) {
     if (!out->file) return SCREE_OK;
     errno = 0;
     int failed = fflush(out->file) != 0 || ferror(out->file);
@@ -80,29 +90,26 @@ scree_status scree_out_keep(struct scree_out *out, scree_trouble *trouble) {
         failed = 1;
         error = errno;
     }
-    if (!failed && rename(out->temporary, out->path) != 0) {
-        failed = 1;
-        error = errno;
-    }
-    scree_status status = SCREE_OK;
-    if (failed) {
-        status =
-            scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->path, error ? strerror(error) : "write error");
-        remove(out->temporary);
-    }
+    out->file = NULL;
+    return failed ? give_up(out, error, trouble) : SCREE_OK;
+}
+
+scree_status scree_out_keep(struct scree_out *out, scree_trouble *trouble) {
+    scree_status status = scree_out_finish(out, trouble);
+    if (status || !out->path) return status;
+    if (rename(out->temporary, out->path) != 0) return give_up(out, errno, trouble);
     forget(out);
-    return status;
+    return SCREE_OK;
 }
 
 void scree_out_drop(struct scree_out *out, int leave) {
-    if (out->file) {
-        fclose(out->file);
-        if (!leave) remove(out->temporary);
-    }
+    if (out->file) fclose(out->file);
+    if (out->temporary && !leave) remove(out->temporary);
     forget(out);
 }
 
 scree_status scree_make_folder(const char *path, scree_trouble *trouble) {
+    if (!*path) return scree_report(trouble, SCREE_NO_FILE, NULL, "the name of the folder for the results is empty");
     char *part = strdup(path);
     if (!part) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     scree_status status = SCREE_OK;
@@ -115,4 +122,47 @@ scree_status scree_make_folder(const char *path, scree_trouble *trouble) {
     }
     free(part);
     return status;
+}
+
+/* Remove the files of a folder that are `ours`; the others move to the folder `to`, unless that is NULL. */
+static void empty_folder(const char *path, const char *to, scree_ours *ours) {
+    DIR *folder = opendir(path);
+    if (!folder) return;
+    for (struct dirent *entry; (entry = readdir(folder));) {
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) continue;
+        char *from = scree_join(path, entry->d_name), *moved = to ? scree_join(to, entry->d_name) : NULL;
+        if (from && ours(entry->d_name))
+            remove(from);
+        else if (from && moved)
+            rename(from, moved);
+        free(from);
+        free(moved);
+    }
+    closedir(folder);
+}
+
+void scree_clear_folder(const char *path, scree_ours *ours) {
+    empty_folder(path, NULL, ours);
+    rmdir(path); /* fails, rightly, if something is left */
+}
+
+scree_status scree_replace_folder(const char *fresh, const char *path, const char *aside, scree_ours *ours,
+                                  scree_trouble *trouble) {
+    scree_clear_folder(aside, ours); /* of a run that was interrupted just here */
+    int there = rename(path, aside) == 0;
+    if (!there && errno != ENOENT) return scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(errno));
+    if (rename(fresh, path) != 0) {
+        scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(errno));
+        if (there) rename(aside, path);
+        return SCREE_NO_FILE;
+    }
+    if (!there) return SCREE_OK;
+    empty_folder(aside, path, ours);
+    rmdir(aside);
+    return SCREE_OK;
+}
+
+int scree_same_file(const char *path, const char *other) {
+    struct stat a, b;
+    return stat(path, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }

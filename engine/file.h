@@ -20,8 +20,11 @@ struct scree_out {
 /* Open for writing; SCREE_NO_FILE. */
 scree_status scree_out_open(struct scree_out *out, const char *path, scree_trouble *trouble);
 
-/* Flush, close and give it its name; SCREE_NO_FILE if anything since the opening didn't reach the file (then the
- * temporary file is removed). Does nothing on an `out` that isn't open. */
+/* Flush and close, still under the temporary name; SCREE_NO_FILE if anything since the opening didn't reach the file (then
+ * the temporary file is removed). Several files that belong together are all finished before the first is kept. */
+scree_status scree_out_finish(struct scree_out *out, scree_trouble *trouble);
+
+/* Finish it, unless that is done, and give it its name; SCREE_NO_FILE. Does nothing on an `out` that isn't open. */
 scree_status scree_out_keep(struct scree_out *out, scree_trouble *trouble);
 
 /* Close and leave the temporary file (`leave` set) or remove it. Does nothing on an `out` that isn't open. */
@@ -29,6 +32,20 @@ void scree_out_drop(struct scree_out *out, int leave);
 
 /* Make a folder and those above it; none is made twice. SCREE_NO_FILE. */
 scree_status scree_make_folder(const char *path, scree_trouble *trouble);
+
+/* Says of a file's name whether this program wrote it. */
+typedef int scree_ours(const char *name);
+
+/* Remove a folder's files that are `ours`, and the folder itself if that leaves it empty. */
+void scree_clear_folder(const char *path, scree_ours *ours);
+
+/* Let the folder `fresh` take the place of the folder `path`, if there is one: its files that are `ours` are removed, all
+ * others move to the new one. `aside` is a name for the time in between. SCREE_NO_FILE: both are as they were. */
+scree_status scree_replace_folder(const char *fresh, const char *path, const char *aside, scree_ours *ours,
+                                  scree_trouble *trouble);
+
+/* True if two paths lead to the same existing file or folder. */
+int scree_same_file(const char *path, const char *other);
 
 /* "folder/name", to be freed; NULL if there is no memory. */
 char *scree_join(const char *folder, const char *name);

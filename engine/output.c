@@ -29,6 +29,26 @@ static scree_status open_one(struct scree_output *output, struct scree_out *out,
     return status;
 }
 
+/* spheres_000020.vtp and the like, finished or not. */
+static int is_frame(const char *name) {
+    for (int kind = 0; kind < SCREE_FRAME_KINDS; kind++) {
+        const char *word = scree_frame_name((enum scree_frame_kind)kind);
+        size_t length = strlen(word);
+        if (strncmp(name, word, length) != 0 || name[length] != '_') continue;
+        const char *digits = name + length + 1, *end = digits + strspn(digits, "0123456789");
+        if (end - digits >= 6 && (strcmp(end, ".vtp") == 0 || strcmp(end, ".vtp.part") == 0)) return 1;
+    }
+    return 0;
+}
+
+static scree_status open_frames(struct scree_output *output, scree_trouble *trouble) {
+    output->frames_part = scree_join(output->folder, "frames.part");
+    if (!output->frames_part) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    scree_clear_folder(output->frames_part, is_frame);
+    scree_status status = scree_make_folder(output->frames_part, trouble);
+    return status ? status : open_one(output, &output->series, "scene.pvd", series_header, trouble);
+}
+
 scree_status scree_output_open(struct scree_output *output, const char *folder, const struct scree_run_request *request,
                                scree_trouble *trouble) {
     *output = (struct scree_output){.folder = folder, .request = request};
@@ -40,14 +60,8 @@ scree_status scree_output_open(struct scree_output *output, const char *folder, 
         status = open_one(output, &output->contacts, "contacts.csv", contacts_header, trouble);
     if (!status && write & SCREE_WRITE_ENERGY)
         status = open_one(output, &output->energy, "energy.csv", energy_header, trouble);
-    if (!status && write & SCREE_WRITE_VTK)
-        status = open_one(output, &output->series, "scene.pvd", series_header, trouble);
-    if (status) {
-        scree_out_drop(&output->bodies, 0);
-        scree_out_drop(&output->contacts, 0);
-        scree_out_drop(&output->energy, 0);
-        scree_out_drop(&output->series, 0);
-    }
+    if (!status && write & SCREE_WRITE_VTK) status = open_frames(output, trouble);
+    if (status) scree_output_drop(output, 0);
     return status;
 }
 
@@ -141,13 +155,13 @@ static scree_status put_frames(struct scree_output *output, scree_scene *scene, 
     for (int kind = 0; kind < SCREE_FRAME_KINDS; kind++) {
         char name[64];
         snprintf(name, sizeof name, "%s_%06d.vtp", scree_frame_name((enum scree_frame_kind)kind), output->frames);
-        char *path = scree_join(output->folder, name);
+        char *path = scree_join(output->frames_part, name);
         if (!path) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
         scree_status status = scree_write_frame(scene, (enum scree_frame_kind)kind, path, trouble);
         free(path);
         if (status) return status;
-        fprintf(output->series.file, "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"%s\"/>\n", scree_scene_time(scene),
-                kind, name);
+        fprintf(output->series.file, "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"frames/%s\"/>\n",
+                scree_scene_time(scene), kind, name);
     }
     output->frames++;
     return SCREE_OK;
@@ -161,41 +175,54 @@ scree_status scree_output_row(struct scree_output *output, scree_scene *scene, s
     if (!status && output->energy.file) status = put_energy(output, scene, trouble);
     if (!status && output->series.file) status = put_frames(output, scene, trouble);
     scree_leave_c_locale(locale);
+    struct scree_out *const all[] = {&output->bodies, &output->contacts, &output->energy, &output->series};
+    for (size_t k = 0; !status && k < sizeof all / sizeof all[0]; k++)
+        if (all[k]->file && ferror(all[k]->file)) status = scree_out_finish(all[k], trouble);
     return status;
 }
 
-static scree_status keep_state(const struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
-    char *path = scree_join(output->folder, "final.state");
-    if (!path) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
-    struct scree_out out;
-    scree_status status = scree_out_open(&out, path, trouble);
-    if (!status) {
-        status = scree_scene_save(scene, out.file, path);
-        if (status) *trouble = *scree_scene_trouble(scene);
-        if (status)
-            scree_out_drop(&out, 0);
-        else
-            status = scree_out_keep(&out, trouble);
-    }
+static scree_status finish_state(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    scree_status status = open_one(output, &output->state, "final.state", "", trouble);
+    if (status) return status;
+    status = scree_scene_save(scene, output->state.file, output->state.path);
+    if (status) *trouble = *scree_scene_trouble(scene);
+    return status ? status : scree_out_finish(&output->state, trouble);
+}
+
+static scree_status keep_frames(struct scree_output *output, scree_trouble *trouble) {
+    if (!output->frames_part) return SCREE_OK;
+    char *path = scree_join(output->folder, "frames"), *aside = scree_join(output->folder, "frames.old");
+    scree_status status = path && aside ? scree_replace_folder(output->frames_part, path, aside, is_frame, trouble)
+                                        : scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     free(path);
-    return status;
+    free(aside);
+    if (status) return status;
+    free(output->frames_part);
+    output->frames_part = NULL;
+    return SCREE_OK;
 }
 
 scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    struct scree_out *const all[] = {&output->bodies, &output->contacts, &output->energy, &output->series,
+                                     &output->state};
+    size_t count = sizeof all / sizeof all[0];
     if (output->series.file) fputs(series_end, output->series.file);
-    scree_status status = scree_out_keep(&output->bodies, trouble);
-    if (!status) status = scree_out_keep(&output->contacts, trouble);
-    if (!status) status = scree_out_keep(&output->energy, trouble);
-    if (!status) status = scree_out_keep(&output->series, trouble);
-    if (!status) status = keep_state(output, scene, trouble);
+    scree_status status = finish_state(output, scene, trouble);
+    for (size_t k = 0; !status && k < count; k++) status = scree_out_finish(all[k], trouble);
+    if (!status) status = keep_frames(output, trouble);
+    for (size_t k = 0; !status && k < count; k++) status = scree_out_keep(all[k], trouble);
     return status;
 }
 
-void scree_output_drop(struct scree_output *output) {
-    scree_out_drop(&output->bodies, 1);
-    scree_out_drop(&output->contacts, 1);
-    scree_out_drop(&output->energy, 1);
-    scree_out_drop(&output->series, 1);
+void scree_output_drop(struct scree_output *output, int leave) {
+    scree_out_drop(&output->bodies, leave);
+    scree_out_drop(&output->contacts, leave);
+    scree_out_drop(&output->energy, leave);
+    scree_out_drop(&output->series, leave);
+    scree_out_drop(&output->state, 0);
+    if (output->frames_part && !leave) scree_clear_folder(output->frames_part, is_frame);
+    free(output->frames_part);
     free(output->touching);
+    output->frames_part = NULL;
     output->touching = NULL;
 }

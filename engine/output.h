@@ -5,10 +5,13 @@
 #include "engine/file.h"
 #include "engine/scene_file.h"
 
+/* Everything is written under temporary names (NAME.part) and gets its own when all of it is whole, so that a run that
+ * fails leaves the results of an earlier one as they were. */
 struct scree_output {
     const char *folder;
     const struct scree_run_request *request;
-    struct scree_out bodies, contacts, energy, series; /* `series`: the list of frames, scene.pvd */
+    struct scree_out bodies, contacts, energy, series, state; /* `series`: the list of frames, scene.pvd */
+    char *frames_part;                                        /* owned; folder of the frames so far; NULL: none */
     int frames;
     scree_contact_state *touching; /* owned */
     int touching_capacity;
@@ -24,7 +27,8 @@ scree_status scree_output_row(struct scree_output *output, scree_scene *scene, s
 /* Finish all files, and write final.state beside them. */
 scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
 
-/* Close everything; the unfinished tables stay under their temporary names (*.part). After keep it only frees memory. */
-void scree_output_drop(struct scree_output *output);
+/* Close everything; what is unfinished stays under its temporary name (`leave`) or is removed. After a successful keep it
+ * only frees memory. */
+void scree_output_drop(struct scree_output *output, int leave);
 
 #endif

@@ -636,6 +636,12 @@ static struct scree_toml *step_into(struct scree_toml *node, const char *part) {
     return scree_toml_get(node, part);
 }
 
+/* A value from the command line, and all in it, has no place in the file. */
+static void forget_place(struct scree_toml *node) {
+    node->line = node->column = 0;
+    for (struct scree_toml *child = node->first; child; child = child->next) forget_place(child);
+}
+
 scree_status scree_toml_set(struct scree_toml_document *document, const char *assignment, scree_trouble *trouble) {
     const char *parts[MOST_PARTS];
     size_t length = strlen(assignment);
@@ -658,7 +664,7 @@ scree_status scree_toml_set(struct scree_toml_document *document, const char *as
     }
     if (p.status) return p.status;
     struct scree_toml *known = step_into(node, parts[count - 1]);
-    value->line = value->column = 0;
+    forget_place(value);
     if (known) {
         /* In place of the old value, with its place among its siblings. */
         value->next = known->next;

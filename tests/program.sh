@@ -48,10 +48,31 @@ for law in $("$scree" laws | sed -n 's/^  \([a-z-]*\) .*/\1/p'); do check "laws 
 for scene in "$scenes"/*.toml; do check "check $scene" 0 'step:' "$scree" check "$scene"; done
 check 'check from standard input' 0 'bodies: 3' sh -c "'$scree' check - <'$scenes/incline.toml'"
 
+# The README's scene and the commands under it, as they stand there.
+section() { sed -n '/^## A scene, from file to plot/,/^## The map/p' "$root/README.md" | sed -n "/^\`\`\`$1/,/^\`\`\`\$/p" | sed '/^```/d'; }
+section toml >"$work/readme.toml"
+check 'scene of the README' 0 'bodies: 2' "$scree" check "$work/readme.toml"
+mkdir "$work/readme" "$work/readme/build"
+ln -s "$scree" "$work/readme/build/scree"
+ln -s "$root/data" "$work/readme/data"
+section sh | grep '^build/' >"$work/readme/commands"
+expect 'commands of the README' test "$(wc -l <"$work/readme/commands")" -ge 2
+check 'commands of the README' 0 'written to bounce' sh -ec "cd '$work/readme' && . ./commands"
+if command -v gnuplot >/dev/null; then
+    section sh | sed '/^build/d' >"$work/readme/plot"
+    check 'plot of the README' 0 '' sh -ec "cd '$work/readme' && . ./plot"
+    expect 'plot of the README is drawn' grep -q '</svg>' "$work/readme/bounce/height.svg"
+fi
+# Whatever runs of the tree's scenes leave in the tree is ignored there.
+for scene in "$scenes"/*.toml; do
+    expect "the folder of $scene is ignored" grep -q "^/$(basename "$scene" .toml)/" "$root/.gitignore"
+done
+
 # A short run: what it writes.
 out=$work/out
 check run 0 'state hash' "$scree" run "$scenes/transport.toml" -o "$out" --set time.end=0.02 --set time.step=1e-5
-for file in bodies.csv contacts.csv energy.csv scene.pvd final.state boxes_000020.vtp contacts_000020.vtp spheres_000020.vtp; do
+for file in bodies.csv contacts.csv energy.csv scene.pvd final.state frames/boxes_000020.vtp frames/contacts_000020.vtp \
+    frames/spheres_000020.vtp; do
     expect "run writes $file" test -s "$out/$file"
 done
 expect 'no temporary file is left' test -z "$(find "$out" -name '*.part')"
@@ -68,16 +89,52 @@ expect 'quiet prints nothing' test -z "$("$scree" run "$scenes/incline.toml" -o 
 hash_of() { sed -n 's/^state hash: //p'; }
 whole=$("$scree" run "$scenes/incline.toml" -o "$work/whole" --set time.end=0.2 2>&1 | hash_of)
 "$scree" run "$scenes/incline.toml" -o "$work/half" --set time.end=0.1 --quiet
+"$scree" run "$scenes/incline.toml" -o "$work/plain" --set time.end=0.1 --set 'output.write=[]' --quiet
 resumed=$("$scree" run "$scenes/incline.toml" -o "$work/rest" --set time.end=0.2 --resume "$work/half/final.state" 2>&1 | hash_of)
 expect 'resumed run has the same hash' test -n "$whole" -a "$whole" = "$resumed"
 threaded=$("$scree" run "$scenes/incline.toml" -o "$work/threads" --set time.end=0.2 --threads 2 2>&1 | hash_of)
 expect 'threads have the same hash' test "$whole" = "$threaded"
 silent=$("$scree" run "$scenes/incline.toml" -o "$work/silent" --set time.end=0.2 --set 'output.write=[]' 2>&1 | hash_of)
 expect 'without output the same hash' test "$whole" = "$silent"
+check 'a resumed run goes on' 2 'nothing is left to simulate' "$scree" run "$scenes/incline.toml" -o "$work/x0" \
+    --set time.end=0.1 --resume "$work/half/final.state"
+nothing_left "$work/x0"
+check 'another gravity' 2 'what differs: gravity' "$scree" run "$scenes/incline.toml" -o "$work/x0" --set time.end=0.2 \
+    --set 'gravity.vector=[0,0,-9.8]' --resume "$work/half/final.state"
+check 'energy books from the middle' 0 'energy books begin at t = 0.1 s' "$scree" run "$scenes/incline.toml" -o "$work/books" \
+    --set time.end=0.11 --resume "$work/plain/final.state"
+
+# Resumed with an automatic step that the new end would change, without a folder named, and with one that holds the first half.
+bounce() { (cd "$work" && "$scree" run "$scenes/bounce.toml" --set 'output={write=["bodies.csv"]}' "$@"); }
+bounce --quiet --set time.end=0.1
+first=$(cksum <"$work/bounce/bodies.csv")
+check 'step from the state' 0 'as it was up to the state' bounce --set time.end=0.213 --resume bounce/final.state
+expect 'default folder of a resumed run' test -s "$work/bounce-resumed/bodies.csv"
+expect 'the first half is as it was' test "$first" = "$(cksum <"$work/bounce/bodies.csv")"
+check 'into the same folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume bounce/final.state -o ./bounce/
+check 'twice into the default folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume bounce-resumed/final.state
+expect 'the first half is still as it was' test "$first" = "$(cksum <"$work/bounce/bodies.csv")"
+
 check 'state of another scene' 2 'another scene' "$scree" run "$scenes/transport.toml" -o "$work/x1" --resume "$work/half/final.state"
 nothing_left "$work/x1"
 check 'state that is none' 2 'no state file' "$scree" run "$scenes/incline.toml" -o "$work/x2" --resume "$scenes/incline.toml"
 check 'state that is missing' 2 'No such file' "$scree" run "$scenes/incline.toml" -o "$work/x3" --resume "$work/none"
+
+# Rows fall on multiples of `every`, from wherever a run goes on; a row a step at the most.
+rows_of() { tail -n +2 "$work/$1/bodies.csv" | cut -d, -f1 | tr '\n' ' '; }
+bounce --quiet --set time.step=1e-4 --set time.end=0.01 --set output.every=0.0025 -o rows
+expect 'rows' test "$(rows_of rows)" = '0 0.0025000000000000001 0.0050000000000000001 0.0075000000000000006 0.01 '
+bounce --quiet --set time.step=1e-4 --set time.end=0.02 --set output.every=0.003 --resume rows/final.state -o rows2
+expect 'rows of the second half' test "$(rows_of rows2)" = '0.01 0.012 0.015000000000000001 0.018000000000000002 0.02 '
+bounce --quiet --set time.step=1e-4 --set time.end=0.002 --set output.every=1e18 -o rows3
+expect 'rows farther apart than the run is long' test "$(rows_of rows3)" = '0 0.002 '
+check 'rows closer than the step' 2 'closer than the step' bounce --set time.step=1e-4 --set output.every=1e-300
+check 'a run for ever' 2 'the most is 1e+15' bounce --set time.end=1e300
+check 'check of a run for ever' 2 'the most is 1e+15' "$scree" check "$scenes/bounce.toml" --set time.end=1e300
+check 'rows for ever' 2 'the most is 1e+15' "$scree" check "$scenes/bounce.toml" --set output.every=1e-300
+check 'title with an escape sequence' 0 'a\x1b[31mb' "$scree" check "$scenes/bounce.toml" --set 'title="a\u001b[31mb"'
+check 'no folder' 2 'folder for the results is empty' bounce -o ''
+check 'no folder for figures' 2 'folder for the results is empty' "$scree" reproduce -o ''
 
 # Bad input: one message, exit status 2, nothing written.
 check 'missing scene' 2 'No such file' "$scree" run "$work/none.toml" -o "$work/x4"
@@ -90,7 +147,8 @@ expect 'one line of message' test "$("$scree" run "$work/bad.toml" 2>&1 | wc -l)
 check 'bad override' 2 'there is no "nobody"' "$scree" run "$scenes/incline.toml" --set body.nobody.mass=1 -o "$work/x7"
 check 'step too large' 2 'stability limit' "$scree" run "$scenes/incline.toml" --set time.step=0.01 -o "$work/x8"
 nothing_left "$work/x8"
-check 'step forced' 0 'FORCED BEYOND IT' "$scree" check "$scenes/incline.toml" --set time.step=0.01 --set time.force=true
+check 'step forced' 0 'FORCED BEYOND IT' "$scree" check "$scenes/incline.toml" --set time.step=0.01 --set time.force=true \
+    --set output.every=0.1
 head -c 104857600 /dev/zero | tr '\0' '[' >"$work/huge.toml"
 check '100 MB of brackets' 2 'too large' "$scree" check "$work/huge.toml"
 head -c 1000000 "$work/huge.toml" >"$work/deep.toml"
@@ -104,12 +162,33 @@ check 'folder under a file' 2 'Not a directory' "$scree" run "$scenes/incline.to
 if [ -w /dev/full ]; then
     check 'full standard output' 2 'standard output' sh -c "'$scree' laws >/dev/full"
 fi
-mkdir "$work/kept"
-echo precious >"$work/kept/bodies.csv"
-check 'a run that fails' 1 'stopped at t =' "$scree" run "$scenes/impact_and_slide.toml" -o "$work/kept" \
-    --set 'contact.0.normal={law="linear", stiffness=10.0, damping=0.0}'
-expect 'existing output is kept' grep -q precious "$work/kept/bodies.csv"
+# A whole run, then a shorter one, then one that fails.
+frames='output={every=0.01, write=["bodies.csv", "vtk"]}'
+slide() { "$scree" run "$scenes/impact_and_slide.toml" -o "$work/kept" --set "$frames" "$@"; }
+sums() { (cd "$work/kept" && find . -type f ! -name '*.part' ! -path './frames.part/*' | sort | xargs cksum); }
+slide --quiet --set time.end=0.05
+expect 'frames of the longer run' test -s "$work/kept/frames/boxes_000005.vtp"
+echo mine >"$work/kept/frames/notes.txt"
+slide --quiet --set time.end=0.02
+expect 'no frames of the longer run are left' test "$(find "$work/kept" -name '*.vtp' | wc -l)" -eq 9
+expect 'all frames are listed' test "$(grep -c 'file="frames/' "$work/kept/scene.pvd")" -eq 9
+for file in $(sed -n 's/.*file="\(.*\)".*/\1/p' "$work/kept/scene.pvd"); do expect "$file" test -s "$work/kept/$file"; done
+expect "what isn't ours is kept" grep -q mine "$work/kept/frames/notes.txt"
+expect 'nothing else is there' test "$(cd "$work/kept" && echo *)" = 'bodies.csv final.state frames scene.pvd'
+before=$(sums)
+check 'a run that fails' 1 'stopped at t =' slide --set 'contact.0.normal={law="linear", stiffness=10.0, damping=0.0}'
+case $printed in
+*'stopped at t ='*'is left in'*) ;;
+*) echo "the reason doesn't come first: $printed"; failed=1 ;;
+esac
+expect 'existing output is kept' test "$before" = "$(sums)"
 expect 'rows up to the stop are there' test -s "$work/kept/bodies.csv.part"
+expect 'frames up to the stop are there' test -s "$work/kept/frames.part/boxes_000000.vtp"
+slide --quiet --set time.end=0.02
+expect 'a whole run clears them away' test "$(cd "$work/kept" && echo *)" = 'bodies.csv final.state frames scene.pvd'
+check 'a full disk' 2 'File too large' sh -c \
+    "trap '' XFSZ; ulimit -f 16; '$scree' run '$scenes/incline.toml' -o '$work/kept' --set time.end=0.3 --set 'output.write=[\"vtk\", \"bodies.csv\"]'"
+expect 'nothing of it is left, nothing is lost' test "$before" = "$(sums)" -a "$(cd "$work/kept" && echo *)" = 'bodies.csv final.state frames scene.pvd'
 check 'too large a file' 2 'bodies.csv: File too large' sh -c \
     "trap '' XFSZ; ulimit -f 16; '$scree' run '$scenes/incline.toml' -o '$work/limited' --set time.end=0.3 --set 'output.write=[\"bodies.csv\"]'"
 nothing_left "$work/limited/bodies.csv"
@@ -121,6 +200,11 @@ check 'no such figure' 2 'no figure "99"' "$scree" reproduce 99
 check 'figures without gnuplot' 0 "gnuplot can't be started" env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 9 11b
 for file in fig_9.csv fig_9.gp fig_11b.csv report.csv; do expect "reproduce writes $file" test -s "$work/figures/$file"; done
 nothing_left "$work/figures/fig_9.svg"
+normal_laws=$("$scree" laws | sed -n '/^normal/,/^friction/s/^  \([a-z-]*\) .*/\1/p')
+check 'figure 8' 0 'bounds met' env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 8
+friction_laws=$("$scree" laws | sed -n '/^friction/,$s/^  \([a-z-]*\) .*/\1/p')
+for law in $friction_laws; do expect "figure 9 draws $law" grep -q "^\"$law\"," "$work/figures/fig_9.csv"; done
+for law in $normal_laws; do expect "figure 8 draws $law" grep -q "^\"$law\"," "$work/figures/fig_8.csv"; done
 if command -v gnuplot >/dev/null; then
     check 'figures with gnuplot' 0 'bounds met' "$scree" reproduce -o "$work/figures" 9
     expect 'a plot is drawn' grep -q '</svg>' "$work/figures/fig_9.svg"

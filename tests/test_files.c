@@ -399,7 +399,7 @@ static void test_motion_files(void) {
         {"time,position,velocty\n0,0,0\n1,1,0\n", "m.csv:1:15: there is no column \"velocty\""},
         {"time,time_s,position\n0,0,0\n1,1,0\n", "m.csv:1:6: two columns for the time"},
         {"# c\ntime,velocity\n0,0\n1,1\n", "m.csv:2:1: the table needs the columns"},
-        {"time,position,acceleration\n0,0,0\n1,1,0\n", "m.csv:1:1: the accelerations of a motion count only beside"},
+        {"time,position,acceleration\n0,0,0\n1,1,0\n", "m.csv:1:1: the acceleration of a motion counts only beside"},
         {"time,position\n0,0\n", "m.csv: a motion needs at least 2 rows"},
         {"# c\ntime,position\n0,0\n# c\n0,1\n", "m.csv:5:1: time must increase: 0 after 0"},
         {"\xef\xbb\xbf\"time_s\",\"position_rad\"\n0,0\n1,1\n", ""}};
@@ -462,8 +462,20 @@ static void test_messages(void) {
     CONTAINS(trouble.text, cause);
     CHECK(strlen(trouble.text) < sizeof trouble.text);
     CHECK(strlen(scree_shown(name).text) < 100 && strcmp(scree_shown("a\tb\x7f").text, "a\\tb\\x7f") == 0);
+
+    const char *const known[] = {"stiffness", NULL};
+    CHECK(scree_hint(name, known).text[0] == '\0'); /* whatever its length, it is no misspelling of that */
     free(path);
     free(name);
+
+    /* A value that was set from outside stands nowhere in the file. */
+    const char *set = "body.two.shape={sphere = 0.1, rounding = 0.01}";
+    scree_scene *scene;
+    struct scree_run_request request;
+    CHECK(scree_read_scene(good_scene, strlen(good_scene), "s.toml", &set, 1, 0, &scene, &request, &trouble) ==
+          SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "s.toml: only a box has a rounding");
+    scree_free_request(&request);
 
     struct scree_toml_document document;
     CHECK(parse("\xef\xbb\xbf"

@@ -31,9 +31,9 @@ int cli_check(int count, char **words) {
     if (status)
         cli_complain("%s", trouble.text);
     else {
-        if (request.title[0]) printf("%s\n", request.title);
+        if (request.title[0]) printf("%s\n", scree_shown(request.title).text);
         scree_scene_describe(scene, stdout);
-        printf("end: %.9g s, %.0f steps\n", request.end, request.end / scree_scene_step_length(scene));
+        printf("end: %.9g s, %ld steps\n", request.end, scree_steps_to(scene, request.end));
     }
     scree_scene_destroy(scene);
     scree_free_request(&request);

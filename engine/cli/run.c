@@ -1,6 +1,7 @@
 /* scree run: simulate a scene file. */
 #include "engine/cli/cli.h"
 #include "engine/output.h"
+#include "engine/scene.h"
 
 #include <errno.h>
 #include <math.h>
@@ -14,13 +15,17 @@ static const char help[] =
     "\n"
     "Simulate a scene file (\"-\": standard input). Tables and frames go into DIR (default: the name of the "
     "scene without\n"
-    ".toml), with the state at the end in DIR/final.state. Progress is shown on a terminal.\n"
+    ".toml, and -resumed), with the state at the end in DIR/final.state. Everything gets its name when all is whole: "
+    "a\n"
+    "run that fails leaves earlier results as they were, and its own as *.part. Progress is shown on a terminal.\n"
     "\n"
     "  -o DIR           where to write\n"
     "  --set KEY=VALUE  change the scene: time.end=2.0, body.product.velocity=[1,0,0], "
     "contact.0.friction.kinetic=0.2\n"
     "  --threads N      threads; the result is the same for any number\n"
-    "  --resume STATE   go on from a final.state of the same scene, up to the scene's end\n"
+    "  --resume STATE   go on from a final.state of the same scene (its end and its output may differ), up to the "
+    "scene's\n"
+    "                   end, into another folder than that of STATE\n"
     "  --quiet          no progress and no summary\n"
     "\n"
     "example: scree run data/scenes/incline.toml -o /tmp/incline --set time.end=0.5\n";
@@ -34,12 +39,16 @@ struct run {
     time_t shown;
 };
 
-/* "scenes/drop.toml" -> "drop"; to be freed. */
-static char *default_folder(const char *scene) {
-    const char *slash = strrchr(scene, '/');
-    char *folder = strdup(strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene);
-    char *dot = folder ? strrchr(folder, '.') : NULL;
+/* "scenes/drop.toml" -> "drop", or "drop-resumed"; to be freed, NULL if there is no memory. */
+static char *default_folder(const char *scene, int resumed) {
+    static const char ending[] = "-resumed";
+    const char *slash = strrchr(scene, '/'), *name = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
+    char *folder = malloc(strlen(name) + sizeof ending);
+    if (!folder) return NULL;
+    strcpy(folder, name);
+    char *dot = strrchr(folder, '.');
     if (dot && dot > folder) *dot = '\0';
+    if (resumed) strcat(folder, ending);
     return folder;
 }
 
@@ -50,20 +59,24 @@ static void show_progress(struct run *run, long done, long all) {
     if (done >= all) fprintf(stderr, "\n");
 }
 
-/* Steps from t = 0 to a time, by rounding up: the last row is never before the time asked for. */
-static long steps_to(const scree_scene *scene, double time) {
-    return (long)ceil(time / scree_scene_step_length(scene) * (1.0 - 1e-12));
+/* The step after which the next row is due: the first that isn't before a multiple of `every`; at most `last`. */
+static long next_row(const struct run *run, long last) {
+    double every = run->request.every, step = scree_scene_step_length(run->scene);
+    long steps = scree_scene_steps(run->scene);
+    if (!(every > 0.0)) return last;
+    if (every <= step) return steps + 1;
+    for (double row = fmax(1.0, floor((double)steps * step / every)); row * every < run->request.end; row++) {
+        long target = scree_steps_to(run->scene, row * every);
+        if (target > steps) return target < last ? target : last;
+    }
+    return last;
 }
 
 static scree_status simulate(struct run *run) {
-    const struct scree_run_request *request = &run->request;
-    long last = steps_to(run->scene, request->end);
+    long last = scree_steps_to(run->scene, run->request.end);
     scree_status status = scree_output_row(&run->output, run->scene, &run->trouble);
-    for (long row = 1; !status && scree_scene_steps(run->scene) < last;) {
-        long target = request->every > 0.0 ? steps_to(run->scene, (double)row * request->every) : last;
-        row++;
-        if (target <= scree_scene_steps(run->scene)) continue;
-        if (target > last) target = last;
+    while (!status && scree_scene_steps(run->scene) < last) {
+        long target = next_row(run, last);
         while (!status && scree_scene_steps(run->scene) < target) {
             long chunk = target - scree_scene_steps(run->scene);
             status = scree_scene_step(run->scene, chunk < 1000 ? chunk : 1000);
@@ -84,7 +97,8 @@ static void warn_of_chatter(const scree_scene *scene) {
     cli_complain("warning: the friction between \"%s\" and \"%s\" was too steep for the step (by a factor of "
                  "%.3g): sliding speeds "
                  "may chatter about zero; a larger threshold or a step below %.3g s avoids it",
-                 scree_scene_body_name(scene, ball), scree_scene_body_name(scene, host), steepest,
+                 scree_shown(scree_scene_body_name(scene, ball)).text,
+                 scree_shown(scree_scene_body_name(scene, host)).text, steepest,
                  scree_scene_step_length(scene) / steepest);
 }
 
@@ -95,36 +109,80 @@ static void summarise(const struct run *run, const char *folder, double seconds,
             seconds, (double)steps / (seconds > 0.0 ? seconds : 1e-9));
     if (ball >= 0)
         fprintf(stderr, "deepest overlap: %.3g of the tolerable, \"%s\" with \"%s\"\n", deepest,
-                scree_scene_body_name(run->scene, ball), scree_scene_body_name(run->scene, host));
+                scree_shown(scree_scene_body_name(run->scene, ball)).text,
+                scree_shown(scree_scene_body_name(run->scene, host)).text);
     fprintf(stderr, "state hash: %016llx\n", (unsigned long long)scree_scene_hash(run->scene));
     fprintf(stderr, "written to %s\n", folder);
+}
+
+/* The state's folder, to be freed. */
+static char *folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash == path ? strdup("/") : slash ? strndup(path, (size_t)(slash - path)) : strdup(".");
+}
+
+/* The results that came with a state are the first half of the whole: they aren't written over. */
+static scree_status check_folder(struct run *run, const char *folder, const char *state) {
+    char *home = folder_of(state);
+    if (!home) return scree_report(&run->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    scree_status status = SCREE_OK;
+    if (scree_same_file(home, folder))
+        status = scree_report(&run->trouble, SCREE_BAD_INPUT, NULL,
+                              "%s: the results up to this state are in the same folder, and would be overwritten; name "
+                              "another one with -o",
+                              state);
+    free(home);
+    return status;
 }
 
 static scree_status resume(struct run *run, const char *path) {
     FILE *file = fopen(path, "rb");
     if (!file) return scree_report(&run->trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(errno));
+    double step = scree_scene_step_length(run->scene);
     scree_status status = scree_scene_restore(run->scene, file, path);
     if (status) run->trouble = *scree_scene_trouble(run->scene);
     fclose(file);
-    return status;
+    if (status) return status;
+    double time = scree_scene_time(run->scene), kept = scree_scene_step_length(run->scene);
+    if (scree_scene_steps(run->scene) >= scree_steps_to(run->scene, run->request.end))
+        return scree_report(
+            &run->trouble, SCREE_BAD_INPUT, NULL,
+            "%s: this state is at t = %.9g s, and the scene ends at %.9g s: nothing is left to simulate; "
+            "set time.end to go on",
+            path, time, run->request.end);
+    if (run->quiet) return SCREE_OK;
+    if (kept != step)
+        fprintf(stderr, "the step is %.9g s, as it was up to the state (alone, this scene would take %.9g s)\n", kept,
+                step);
+    if (run->scene->books_begun) fprintf(stderr, "the energy books begin at t = %.9g s: the state holds none\n", time);
+    return SCREE_OK;
 }
 
+/* Says itself what went wrong. */
 static scree_status run_loaded(struct run *run, const char *folder, const char *state) {
-    scree_status status = state ? resume(run, state) : SCREE_OK;
+    scree_status status = state ? check_folder(run, folder, state) : SCREE_OK;
+    if (!status && state) status = resume(run, state);
     if (!status) status = scree_output_open(&run->output, folder, &run->request, &run->trouble);
-    if (status) return status;
+    if (status) {
+        cli_complain("%s", run->trouble.text);
+        return status;
+    }
     struct timespec start, end;
     long before = scree_scene_steps(run->scene);
     clock_gettime(CLOCK_MONOTONIC, &start);
     status = simulate(run);
     clock_gettime(CLOCK_MONOTONIC, &end);
     if (!status) status = scree_output_keep(&run->output, run->scene, &run->trouble);
-    scree_output_drop(&run->output);
+    /* What a stopped run has written may tell why; what couldn't be written is of no use. */
+    int stopped = status == SCREE_FAILED || status == SCREE_NO_MEMORY;
+    scree_output_drop(&run->output, stopped);
+    if (status && run->shown) fputc('\n', stderr); /* ends the line of the progress */
+    if (status) cli_complain("%s", run->trouble.text);
+    if (stopped && run->request.write) cli_complain("what was written up to then is left in %s/*.part", folder);
     warn_of_chatter(run->scene);
     if (!status && !run->quiet)
         summarise(run, folder, (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec),
                   scree_scene_steps(run->scene) - before);
-    if (status == SCREE_FAILED) fprintf(stderr, "scree: rows up to the stop are left in %s/*.part\n", folder);
     return status;
 }
 
@@ -145,11 +203,15 @@ int cli_run(int count, char **words) {
     int thread_count = threads ? cli_whole_number(threads, "--threads", 1024) : 0;
     if (threads && !thread_count) return EXIT_USAGE;
 
-    char *named = folder ? NULL : default_folder(words[0]);
+    char *named = folder ? NULL : default_folder(words[0], state != NULL);
     scree_status status =
         scree_load_scene(words[0], assignments, assignment_count, thread_count, &run.scene, &run.request, &run.trouble);
-    if (!status) status = run_loaded(&run, folder ? folder : named, state);
-    if (status) cli_complain("%s", run.trouble.text);
+    if (!status && !folder && !named)
+        status = scree_report(&run.trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    if (status)
+        cli_complain("%s", run.trouble.text);
+    else
+        status = run_loaded(&run, folder ? folder : named, state);
     scree_scene_destroy(run.scene);
     scree_free_request(&run.request);
     free(named);
