@@ -10,6 +10,24 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+const scree_transport figures_task = {.distance = 0.08,
+                                      .gap = 0.05,
+                                      .width = 0.03,
+                                      .friction = 0.3,
+                                      .gravity = 9.81,
+                                      .share = 0.5,
+                                      .fractions = {0.25, 0.5, 0.75}};
+
+scree_status figures_process(struct figures *figures, struct process *process) {
+    *process = (struct process){0};
+    char *path = scree_join(figures->data, "transport.toml");
+    if (!path) return scree_report(&figures->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    scree_status status = process_load(process, path, &figures_task, &figures->trouble);
+    process->name = "transport.toml";
+    free(path);
+    return status;
+}
+
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,
                     double simulated, double bound) {
     double error = fabs(simulated - expected) / (expected != 0.0 ? fabs(expected) : 1.0);

@@ -3,8 +3,8 @@
 #ifndef SCREE_CLI_FIGURES_H
 #define SCREE_CLI_FIGURES_H
 
+#include "engine/cli/process.h"
 #include "engine/file.h"
-#include "engine/scree.h"
 
 struct figures {
     const char *folder; /* where everything is written */
@@ -16,8 +16,15 @@ struct figures {
     scree_trouble trouble;
 };
 
+/* The task of the worked example: 80 mm with 20 mm of play, half of the cycle, quarter shares. */
+extern const scree_transport figures_task;
+
+/* The process model of that task; to be freed with process_free, whether or not this fails. */
+scree_status figures_process(struct figures *figures, struct process *process);
+
 /* Each makes one figure: data, plot, rows of the report. */
 scree_status figure_5a(struct figures *figures);
+scree_status figure_5b(struct figures *figures);
 scree_status figure_6a(struct figures *figures);
 scree_status figure_7(struct figures *figures);
 scree_status figure_8(struct figures *figures);
@@ -26,6 +33,8 @@ scree_status figure_10(struct figures *figures);
 scree_status figure_11b(struct figures *figures);
 scree_status figure_12(struct figures *figures);
 scree_status figure_13(struct figures *figures);
+scree_status figure_14(struct figures *figures);
+scree_status figure_15(struct figures *figures);
 
 /* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,

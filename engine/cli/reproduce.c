@@ -30,6 +30,7 @@ static const struct {
     scree_status (*make)(struct figures *figures);
 } list[] = {
     {"5a", "velocity of comb and product over the path, conventional motion", figure_5a},
+    {"5b", "velocity of comb and product over the path, new motion", figure_5b},
     {"6a", "positioning error over operating speed, conventional motion", figure_6a},
     {"7", "the scene: bodies", figure_7},
     {"8", "normal force over overlap, for each normal law", figure_8},
@@ -38,6 +39,8 @@ static const struct {
     {"11b", "inclined plane: product velocity over inclination", figure_11b},
     {"12", "impact and slide: sliding distance over collision velocity", figure_12},
     {"13", "restitution: product velocity over collision velocity", figure_13},
+    {"14", "the planned velocity profile with its events", figure_14},
+    {"15", "residuals of the iterative solver, simulation by simulation", figure_15},
 };
 
 enum { FIGURES = sizeof list / sizeof list[0] };
