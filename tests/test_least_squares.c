@@ -38,7 +38,7 @@ static int same_outcome(const scree_lm_outcome *a, const scree_lm_outcome *b) {
 
 /* Solve twice, the workspace full of zeros and of NaN: the same in every bit, whatever was there and was solved before. */
 static scree_lm_outcome solve(const scree_lm_problem *problem, const scree_lm_options *options, double *x) {
-    double again[MGH_UNKNOWNS];
+    double again[SCREE_LM_UNKNOWNS];
     size_t size = (size_t)problem->unknowns * sizeof *x;
     memcpy(again, x, size);
     scree_lm_outcome outcome = solve_in(0x00, problem, options, x);
@@ -860,6 +860,81 @@ static void test_threads(void) {
     free(jobs);
 }
 
+/* ---- the same bits everywhere ---- */
+
+/* FNV-1a over the bytes of x. */
+static unsigned long long hash_of(const double *x, int count) {
+    unsigned char bytes[NIST_PARAMETERS * sizeof *x];
+    unsigned long long hash = 0xcbf29ce484222325u;
+    memcpy(bytes, x, (size_t)count * sizeof *x);
+    for (size_t k = 0; k < (size_t)count * sizeof *x; k++) hash = (hash ^ bytes[k]) * 0x100000001b3u;
+    return hash;
+}
+
+/* Every compiler, optimisation and instruction set ends at the same x, on ways of hundreds of steps that any other bit would
+ * change. (All problems of NIST but the two that need the maths library: Nelson's logarithm and Roszman1's arctangent.) */
+static void test_golden(void) {
+    FILE *file = fopen(SCREE_DATA "/golden/least_squares.txt", "r");
+    CHECK(file != NULL);
+    int rows = 0, start;
+    char name[32];
+    unsigned long long golden;
+    while (file && fscanf(file, "%31s %d %llx", name, &start, &golden) == 3) {
+        struct nist *nist = NULL;
+        for (int k = 0; k < NIST_PROBLEMS; k++)
+            if (strcmp(nist_problems[k].name, name) == 0) nist = &nist_problems[k];
+        CHECK(nist && (start == 1 || start == 2));
+        if (!nist) break;
+        scree_lm_problem problem = nist_problem(nist);
+        double x[NIST_PARAMETERS];
+        memcpy(x, nist->start[start - 1], sizeof x);
+        solve(&problem, NULL, x);
+        if (hash_of(x, nist->parameters) != golden)
+            printf("%s %d %016llx\n", name, start, hash_of(x, nist->parameters));
+        CHECK(hash_of(x, nist->parameters) == golden);
+        rows++;
+    }
+    if (file) fclose(file);
+    CHECK(rows == 50);
+}
+
+/* ---- sizes ---- */
+
+/* r_i = (i + 1) (x_i - i/n)^3 + x_i - i/n, and one more that couples all: a minimum of zero at x_i = i/n. */
+static int chain_residual(void *context, const double *x, double *r) {
+    int n = *(const int *)context;
+    r[n] = 0.0;
+    for (int k = 0; k < n; k++) {
+        double d = x[k] - (double)k / n;
+        r[k] = (k + 1) * d * d * d + d;
+        r[n] += d;
+    }
+    return 0;
+}
+
+/* The fewest and the most unknowns, by differences and with bounds (upper bounds that hold the second half). */
+static void test_sizes(void) {
+    static const int sizes[] = {1, 2, 3, 255, 256};
+    for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++) {
+        int n = sizes[s];
+        double x[SCREE_LM_UNKNOWNS], upper[SCREE_LM_UNKNOWNS];
+        scree_lm_problem problem = {.unknowns = n, .residuals = n + 1, .residual = chain_residual, .context = &n};
+        for (int k = 0; k < n; k++) x[k] = 1.5;
+        scree_lm_outcome outcome = solve(&problem, NULL, x);
+        CHECK(outcome.converged && outcome.rank == n && outcome.free == n);
+        for (int k = 0; k < n; k++) NEAR(x[k], (double)k / n, 1e-12);
+        problem.upper = upper;
+        for (int k = 0; k < n; k++) {
+            upper[k] = k < (n + 1) / 2 ? 2.0 : 0.25;
+            x[k] = 1.5;
+        }
+        outcome = solve(&problem, NULL, x);
+        CHECK(outcome.converged);
+        for (int k = 0; k < n; k++) CHECK(x[k] <= upper[k]);
+        CHECK(outcome.free == (n + 1) / 2);
+    }
+}
+
 /* ---- the README's example ---- */
 
 struct record {
@@ -909,6 +984,8 @@ int main(void) {
     test_acceleration();
     test_interleaved();
     test_threads();
+    test_golden();
+    test_sizes();
     test_example();
     return check_report();
 }
