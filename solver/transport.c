@@ -20,8 +20,11 @@ static void fail(scree_plan *plan, enum scree_plan_state state, const char *form
 static void check_task(const scree_transport *t, double cycles, scree_plan *plan) {
     const double *f = t->fractions;
     double play = scree_transport_play(t);
-    if (!(t->distance > 0.0 && t->gap > 0.0 && t->width > 0.0 && t->friction > 0.0 && t->gravity > 0.0))
-        fail(plan, SCREE_PLAN_BAD_TASK, "distance, gap, width, friction and gravity must be positive");
+    const double sizes[] = {t->distance, t->gap, t->width, t->friction, t->gravity};
+    static const char *const names[] = {"distance", "gap", "width", "friction", "gravity"};
+    for (int k = 0; k < 5; k++)
+        if (!(sizes[k] > 0.0) || !isfinite(sizes[k]))
+            fail(plan, SCREE_PLAN_BAD_TASK, "%s must be positive, got %g", names[k], sizes[k]);
     if (!(play > 0.0))
         fail(plan, SCREE_PLAN_BAD_TASK, "the gap between the tines (%g m) is not wider than the product (%g m)", t->gap,
              t->width);
@@ -198,25 +201,25 @@ static void guess_b(const scree_transport *t, const scree_plan *plan, const doub
     x[3] = guess ? guess[3] : -scree_transport_slowing(t);
 }
 
+static int solved(const scree_plan *plan) { return plan->solver.converged && plan->solver.norm <= 1e-8; }
+
 static int plan_b(const scree_transport *t, const scree_plan_options *options, scree_plan *plan, double *x) {
     struct task task = {t, options, plan->time, plan->duration, 0, {0.0, 0.0, 0.0}};
     guess_b(t, plan, options->guess, x);
     plan->solver = solve_b(&task, x);
-    /* Other starts, if the closed form's neighbourhood has none: a gentler and a harder braking. */
-    static const double harder[] = {0.8, 0.5, 1.2, 0.2};
-    for (int k = 0; k < 4 && !plan->solver.converged; k++) {
+    /* Other starts, if there is no root near the first: the closed form, and gentler and harder braking. */
+    static const double harder[] = {1.0, 0.8, 0.5, 1.2, 0.2};
+    for (int k = 0; k < 5 && !solved(plan); k++) {
         guess_b(t, plan, NULL, x);
         x[1] *= harder[k];
         plan->solver = solve_b(&task, x);
     }
-    if (!plan->solver.converged || plan->solver.norm > 1e-8) {
-        double r[4];
-        enum scree_plan_state state = residual_b(&task, x, r) ? SCREE_PLAN_NO_DETACHMENT : SCREE_PLAN_NO_SOLUTION;
-        fail(plan, state,
-             state == SCREE_PLAN_NO_DETACHMENT ? "the comb never brakes harder than friction at this speed: %s"
-                                               : "no motion meets all conditions: %s",
+    double r[4];
+    if (!solved(plan) && residual_b(&task, x, r))
+        fail(plan, SCREE_PLAN_NO_DETACHMENT, "the comb never brakes harder than friction at this speed: %s",
              scree_lm_text(plan->solver.reason));
-    }
+    else if (!solved(plan))
+        fail(plan, SCREE_PLAN_NO_SOLUTION, "no motion meets all conditions: %s", scree_lm_text(plan->solver.reason));
     adopt_b(t, x, plan);
     return plan->state != SCREE_PLAN_GOOD;
 }
