@@ -512,6 +512,7 @@ static void test_stopped(void) {
                                   .callback_context = &calls};
     scree_plan_make(&task, 700.0, &options, &plan);
     CHECK(calls == 1 && plan.solver.reason == SCREE_LM_STOPPED);
+    fails(&plan, SCREE_PLAN_NO_SOLUTION, "the iteration ended with");
 }
 
 /* ---- operating speeds ---- */
