@@ -39,9 +39,9 @@ static double crosses(const struct scree_profile *profile, double deceleration, 
         double hold = comb_terms(profile, time, terms), next = profile->start[scree_profile_segment(profile, time) + 1];
         double q[TERMS] = {sign * (2.0 * terms[2] + deceleration)};
         for (int k = 1; k < TERMS - 2; k++) q[k] = sign * (k + 1) * (k + 2) * terms[k + 2];
-        double tau = turns_negative(q, 0.0, hold);
-        /* At the very end of a segment it is the next one that matters. */
-        if (tau < HUGE_VAL) return tau > hold * (1.0 - 1e-6) ? next : time + tau;
+        /* Where a segment starts with just that deceleration, it is what follows that counts; at its very end, the next one. */
+        double near = 1e-6 * hold, tau = turns_negative(q, near, hold);
+        if (tau < HUGE_VAL) return tau <= near ? time : tau >= hold - near ? next : time + tau;
         time = next;
     }
     return -1.0;
@@ -180,21 +180,28 @@ static int ride_on(struct slider *s) {
     return 0;
 }
 
-scree_slide scree_slide_simulate(const scree_transport *transport, const struct scree_profile *profile,
-                                 double restitution) {
+scree_slide scree_slide_from(const scree_transport *transport, const struct scree_profile *profile, double restitution,
+                             double lead) {
     enum { EVENTS = 20000 }; /* more only with a restitution of nearly 1, which bounces without end */
     scree_slide result = {0};
     struct slider s = {.profile = profile,
                        .mu_g = scree_transport_slowing(transport),
                        .play = scree_transport_play(transport),
                        .restitution = restitution,
+                       .where = lead > 0.0 ? FREE : PUSHED,
                        .time = profile->start[0],
+                       .x = scree_profile_at(profile, profile->start[0]).x + lead,
                        .result = &result};
     int done = 0;
     for (int k = 0; k < EVENTS && !done; k++) done = s.where == FREE ? slide_on(&s) : ride_on(&s);
     result.unfinished = !done;
     result.error = s.x - transport->distance;
     return result;
+}
+
+scree_slide scree_slide_simulate(const scree_transport *transport, const struct scree_profile *profile,
+                                 double restitution) {
+    return scree_slide_from(transport, profile, restitution, 0.0);
 }
 
 double scree_slide_leaves(const scree_transport *transport, const struct scree_profile *profile, double left,

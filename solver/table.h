@@ -15,7 +15,8 @@ typedef struct scree_table_options {
                        rise strictly */
 } scree_table_options;
 
-/* Columns time_s (or angle_deg), x_m, v_m_s, a_m_s2, j_m_s3; numbers with 17 digits, which read back as the same bits; first row at
+/* Columns time_s (or angle_deg), x_m, v_m_s, a_m_s2, j_m_s3; numbers with 17 digits, which read back as the same bits (in the
+ * locale of the thread: "C" unless the program sets another); first row at
  * the profile's start, last one exactly at its end.
  *
  * The travel between two rows of one segment is h (v0 + v1)/2 + h^2 (a0 - a1)/10 + h^3 (j0 + j1)/120 without error but rounding

@@ -20,8 +20,11 @@ static void fail(scree_plan *plan, enum scree_plan_state state, const char *form
 static void check_task(const scree_transport *t, double cycles, scree_plan *plan) {
     const double *f = t->fractions;
     double play = scree_transport_play(t);
-    if (!(t->distance > 0.0 && t->gap > 0.0 && t->width > 0.0 && t->friction > 0.0 && t->gravity > 0.0))
-        fail(plan, SCREE_PLAN_BAD_TASK, "distance, gap, width, friction and gravity must be positive");
+    const double sizes[] = {t->distance, t->gap, t->width, t->friction, t->gravity};
+    static const char *const names[] = {"distance", "gap", "width", "friction", "gravity"};
+    for (int k = 0; k < 5; k++)
+        if (!(sizes[k] > 0.0) || !isfinite(sizes[k]))
+            fail(plan, SCREE_PLAN_BAD_TASK, "%s must be positive, got %g", names[k], sizes[k]);
     if (!(play > 0.0))
         fail(plan, SCREE_PLAN_BAD_TASK, "the gap between the tines (%g m) is not wider than the product (%g m)", t->gap,
              t->width);
@@ -128,6 +131,7 @@ struct task {
     double duration;
     int calls;
     scree_catch last; /* of the process model */
+    int good;         /* the last accepted step is good enough */
 };
 
 /* First time in segment 12 at which the comb brakes harder than friction; negative if it never does. */
@@ -198,25 +202,25 @@ static void guess_b(const scree_transport *t, const scree_plan *plan, const doub
     x[3] = guess ? guess[3] : -scree_transport_slowing(t);
 }
 
+static int solved(const scree_plan *plan) { return plan->solver.converged && plan->solver.norm <= 1e-8; }
+
 static int plan_b(const scree_transport *t, const scree_plan_options *options, scree_plan *plan, double *x) {
-    struct task task = {t, options, plan->time, plan->duration, 0, {0.0, 0.0, 0.0}};
+    struct task task = {t, options, plan->time, plan->duration, 0, {0.0, 0.0, 0.0}, 0};
     guess_b(t, plan, options->guess, x);
     plan->solver = solve_b(&task, x);
-    /* Other starts, if the closed form's neighbourhood has none: a gentler and a harder braking. */
-    static const double harder[] = {0.8, 0.5, 1.2, 0.2};
-    for (int k = 0; k < 4 && !plan->solver.converged; k++) {
+    /* Other starts, if there is no root near the first: the closed form, and gentler and harder braking. */
+    static const double harder[] = {1.0, 0.8, 0.5, 1.2, 0.2};
+    for (int k = 0; k < 5 && !solved(plan); k++) {
         guess_b(t, plan, NULL, x);
         x[1] *= harder[k];
         plan->solver = solve_b(&task, x);
     }
-    if (!plan->solver.converged || plan->solver.norm > 1e-8) {
-        double r[4];
-        enum scree_plan_state state = residual_b(&task, x, r) ? SCREE_PLAN_NO_DETACHMENT : SCREE_PLAN_NO_SOLUTION;
-        fail(plan, state,
-             state == SCREE_PLAN_NO_DETACHMENT ? "the comb never brakes harder than friction at this speed: %s"
-                                               : "no motion meets all conditions: %s",
+    double r[4];
+    if (!solved(plan) && residual_b(&task, x, r))
+        fail(plan, SCREE_PLAN_NO_DETACHMENT, "the comb never brakes harder than friction at this speed: %s",
              scree_lm_text(plan->solver.reason));
-    }
+    else if (!solved(plan))
+        fail(plan, SCREE_PLAN_NO_SOLUTION, "no motion meets all conditions: %s", scree_lm_text(plan->solver.reason));
     adopt_b(t, x, plan);
     return plan->state != SCREE_PLAN_GOOD;
 }
@@ -248,14 +252,32 @@ static int jacobian_c(void *context, const double *x, double *jacobian) {
     return 0;
 }
 
-/* Stop as soon as the catch is as good as asked for: all residuals below the scaled clearance. */
-static int good_enough(void *context, const scree_lm_progress *progress) {
+/* Whether the catch is as good as asked for: all residuals below the scaled clearance, the stroke far below and the acceleration,
+ * which acts only from then on, not far above. */
+static int good_enough(const struct task *task, const double *r) {
+    double wanted = task->options->clearance > 0.0 ? task->options->clearance : 1e-7;
+    wanted /= scree_transport_play(task->transport);
+    return fabs(r[1]) <= wanted && fabs(r[2]) <= wanted && fabs(r[0]) <= 1e-3 * wanted && fabs(r[3]) <= 1e3 * wanted;
+}
+
+/* Stop there; each further digit would cost a simulation. */
+static int watch(void *context, const scree_lm_progress *progress) {
     struct task *task = context;
     const scree_plan_options *o = task->options;
-    if (o->callback && o->callback(o->callback_context, progress)) return 1;
-    double wanted = (o->clearance > 0.0 ? o->clearance : 1e-7) / scree_transport_play(task->transport);
-    return fabs(progress->r[1]) <= wanted && fabs(progress->r[2]) <= wanted && fabs(progress->r[0]) <= 1e-3 * wanted &&
-           fabs(progress->r[3]) <= 1e3 * wanted;
+    task->good = good_enough(task, progress->r);
+    return (o->callback && o->callback(o->callback_context, progress)) || task->good;
+}
+
+/* The outcome at x, where the iteration ended. */
+static void judge_c(struct task *task, const double *x, scree_plan *plan) {
+    double r[4];
+    if (task->good) return;
+    if (plan->solver.reason == SCREE_LM_NOT_FINITE || residual_c(task, x, r))
+        fail(plan, SCREE_PLAN_MODEL_FAILED, "the process model failed at the %s of the iteration",
+             plan->solver.reason == SCREE_LM_NOT_FINITE ? "start" : "end");
+    else if (!good_enough(task, r) && !(plan->solver.converged && plan->solver.norm <= 1e-5))
+        fail(plan, SCREE_PLAN_NO_SOLUTION, "the iteration ended with a clearance of %.3g m and %.3g m/s: %s",
+             task->last.clearance, task->last.velocity - x[2], scree_lm_text(plan->solver.reason));
 }
 
 static void plan_c(const scree_transport *t, const scree_plan_options *options, scree_plan *plan) {
@@ -268,25 +290,19 @@ static void plan_c(const scree_transport *t, const scree_plan_options *options, 
         memcpy(x, options->guess, sizeof x);
     else if (plan_b(t, options, plan, x))
         return;
-    struct task task = {t, options, plan->time, plan->duration, 0, {0.0, 0.0, 0.0}};
+    struct task task = {t, options, plan->time, plan->duration, 0, {0.0, 0.0, 0.0}, 0};
     scree_lm_problem problem = {
         .unknowns = 4, .residuals = 4, .residual = residual_c, .jacobian = jacobian_c, .context = &task};
     scree_lm_options lm = {.no_polish = 1,
                            .evaluations = options->iterations > 0 ? options->iterations : 60,
                            .first = 0.1,
                            .reduction = 1e-30,
-                           .callback = good_enough,
+                           .callback = watch,
                            .callback_context = &task};
     plan->solver = scree_lm_solve(&problem, &lm, x, workspace);
+    judge_c(&task, x, plan);
     plan->simulations = task.calls;
     adopt_b(t, x, plan);
-    double wanted = options->clearance > 0.0 ? options->clearance : 1e-7;
-    double missed = fabs(task.last.clearance);
-    if (plan->solver.reason == SCREE_LM_NOT_FINITE)
-        fail(plan, SCREE_PLAN_MODEL_FAILED, "the process model failed at the start of the iteration");
-    else if (!(plan->solver.norm <= 1e-5) && missed > wanted)
-        fail(plan, SCREE_PLAN_NO_SOLUTION, "the iteration ended with a clearance of %.3g m: %s", missed,
-             scree_lm_text(plan->solver.reason));
 }
 
 /* ---- admissibility ---- */

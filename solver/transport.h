@@ -110,7 +110,8 @@ enum scree_shares_rule { SCREE_LEAST_ACCELERATION, SCREE_LEAST_JERK, SCREE_LEAST
 /* Cost of a plan for scree_plan_shares: HUGE_VAL where it isn't admissible. */
 typedef double scree_plan_cost(void *context, const scree_plan *plan);
 
-/* Change transport->fractions so that the cost of the plan is least (simplex search of Nelder & Mead 1965; a local minimum). For
+/* Change transport->fractions so that the cost of the plan is least (simplex search of Nelder & Mead 1965; a local minimum, from
+ * shares whose plan is admissible or nearly so: where no plan is near, the shares stay about what they were). For
  * SCREE_LEAST_CATCH `cost` says what the catch costs, by simulation; for the other rules it may be NULL. Returns the plan. */
 void scree_plan_shares(scree_transport *transport, double cycles, const scree_plan_options *options,
                        enum scree_shares_rule rule, scree_plan_cost *cost, void *context, scree_plan *plan);
@@ -151,6 +152,10 @@ typedef struct scree_slide {
 } scree_slide;
 scree_slide scree_slide_simulate(const scree_transport *transport, const struct scree_profile *profile,
                                  double restitution);
+
+/* The same for a product that rests at first, `lead` (0 … play, m) before the rear tines. */
+scree_slide scree_slide_from(const scree_transport *transport, const struct scree_profile *profile, double restitution,
+                             double lead);
 
 /* Limits of the new motion, cycles a minute. A scaled profile loses its product only above n_det: */
 double scree_limit_detachment(const scree_transport *transport, const scree_plan *design);

@@ -26,6 +26,7 @@ scree_status figures_process(struct figures *figures, struct process *process);
 scree_status figure_5a(struct figures *figures);
 scree_status figure_5b(struct figures *figures);
 scree_status figure_6a(struct figures *figures);
+scree_status figure_6b(struct figures *figures);
 scree_status figure_7(struct figures *figures);
 scree_status figure_8(struct figures *figures);
 scree_status figure_9(struct figures *figures);
@@ -35,6 +36,8 @@ scree_status figure_12(struct figures *figures);
 scree_status figure_13(struct figures *figures);
 scree_status figure_14(struct figures *figures);
 scree_status figure_15(struct figures *figures);
+scree_status figure_16(struct figures *figures);
+scree_status figure_forces(struct figures *figures);
 
 /* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,

@@ -32,6 +32,7 @@ static const struct {
     {"5a", "velocity of comb and product over the path, conventional motion", figure_5a},
     {"5b", "velocity of comb and product over the path, new motion", figure_5b},
     {"6a", "positioning error over operating speed, conventional motion", figure_6a},
+    {"6b", "positioning error over operating speed, a scaled new profile", figure_6b},
     {"7", "the scene: bodies", figure_7},
     {"8", "normal force over overlap, for each normal law", figure_8},
     {"9", "friction coefficient over relative velocity, for each friction law", figure_9},
@@ -41,6 +42,8 @@ static const struct {
     {"13", "restitution: product velocity over collision velocity", figure_13},
     {"14", "the planned velocity profile with its events", figure_14},
     {"15", "residuals of the iterative solver, simulation by simulation", figure_15},
+    {"16", "characteristic map: comb velocity over time and operating speed", figure_16},
+    {"forces", "force and impact speed at the front tines, conventional beside new", figure_forces},
 };
 
 enum { FIGURES = sizeof list / sizeof list[0] };
