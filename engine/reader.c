@@ -1,0 +1,117 @@
+/* Typed access to the tables of a TOML file, with messages that name file, line and column. */
+#include "engine/reader.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- messages ---- */
+
+SCREE_PRINTF(3, 4)
+void scree_complain(struct scree_reader *r, const struct scree_toml *node, const char *format, ...) {
+    va_list arguments;
+    if (r->status) return;
+    va_start(arguments, format);
+    r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, r->name, node ? node->line : 0, node ? node->column : 0,
+                                format, arguments);
+    va_end(arguments);
+}
+
+/* ---- typed access ---- */
+
+/* Every key of `table` is one of `keys` (NULL-terminated). */
+void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, const char *what,
+                      const char *const *keys) {
+    for (const struct scree_toml *child = table->first; child; child = child->next) {
+        int known = 0;
+        for (const char *const *key = keys; *key; key++) known |= strcmp(*key, child->key) == 0;
+        if (known) continue;
+        scree_complain(r, child, "unknown key \"%s\" in %s%s", child->key, what, scree_hint(child->key, keys).text);
+    }
+}
+
+static int is_number(const struct scree_toml *node) {
+    return node->type == SCREE_TOML_INTEGER || node->type == SCREE_TOML_FLOAT;
+}
+
+double scree_number_of(struct scree_reader *r, const struct scree_toml *node, const char *what) {
+    if (!is_number(node)) {
+        scree_complain(r, node, "%s must be a number, not %s", what, scree_toml_type_name(node->type));
+        return 0.0;
+    }
+    if (!isfinite(node->number)) scree_complain(r, node, "%s must be a finite number", what);
+    return node->number;
+}
+
+double scree_read_number(struct scree_reader *r, const struct scree_toml *table, const char *key, double fallback) {
+    const struct scree_toml *node = scree_toml_get(table, key);
+    return node ? scree_number_of(r, node, key) : fallback;
+}
+
+const char *scree_read_string(struct scree_reader *r, const struct scree_toml *table, const char *key) {
+    const struct scree_toml *node = scree_toml_get(table, key);
+    if (!node) return NULL;
+    if (node->type == SCREE_TOML_STRING) return node->string;
+    scree_complain(r, node, "%s must be a string, not %s", key, scree_toml_type_name(node->type));
+    return NULL;
+}
+
+int scree_read_boolean(struct scree_reader *r, const struct scree_toml *table, const char *key) {
+    const struct scree_toml *node = scree_toml_get(table, key);
+    if (!node) return 0;
+    if (node->type != SCREE_TOML_BOOLEAN)
+        scree_complain(r, node, "%s must be true or false, not %s", key, scree_toml_type_name(node->type));
+    return node->number != 0.0;
+}
+
+/* Array of exactly `count` numbers; returns 1 if the key is there. */
+int scree_read_numbers(struct scree_reader *r, const struct scree_toml *table, const char *key, int count, double *to) {
+    const struct scree_toml *node = scree_toml_get(table, key);
+    if (!node) return 0;
+    if (node->type != SCREE_TOML_ARRAY || node->count != count) {
+        scree_complain(r, node, "%s must be an array of %d numbers", key, count);
+        return 1;
+    }
+    int k = 0;
+    for (const struct scree_toml *value = node->first; value; value = value->next)
+        to[k++] = scree_number_of(r, value, key);
+    return 1;
+}
+
+/* A table by key, NULL if it isn't there or is no table (which is reported). */
+const struct scree_toml *scree_read_table(struct scree_reader *r, const struct scree_toml *table, const char *key) {
+    const struct scree_toml *node = scree_toml_get(table, key);
+    if (!node || node->type == SCREE_TOML_TABLE) return node;
+    scree_complain(r, node, "%s must be a table, not %s", key, scree_toml_type_name(node->type));
+    return NULL;
+}
+
+/* Call `read` for each entry of an array of tables. */
+void scree_read_each(struct scree_reader *r, const struct scree_toml *root, const char *key,
+                     void (*read)(struct scree_reader *, const struct scree_toml *)) {
+    const struct scree_toml *array = scree_toml_get(root, key);
+    if (!array) return;
+    if (array->type != SCREE_TOML_ARRAY) {
+        scree_complain(r, array, "%s must be an array of tables: write [[%s]]", key, key);
+        return;
+    }
+    for (const struct scree_toml *entry = array->first; entry && !r->status; entry = entry->next) {
+        if (entry->type != SCREE_TOML_TABLE)
+            scree_complain(r, entry, "an entry of %s must be a table, not %s", key, scree_toml_type_name(entry->type));
+        else
+            read(r, entry);
+    }
+}
+
+/* Index of `text` among NULL-terminated words, or 0 with a complaint. */
+int scree_choose(struct scree_reader *r, const struct scree_toml *node, const char *what, const char *const *words) {
+    for (int k = 0; node->type == SCREE_TOML_STRING && words[k]; k++)
+        if (strcmp(words[k], node->string) == 0) return k;
+    char list[256] = "";
+    for (int k = 0; words[k]; k++)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", k ? ", " : "", words[k]);
+    scree_complain(r, node, "%s must be one of %s%s", what, list,
+                   node->type == SCREE_TOML_STRING ? scree_hint(node->string, words).text : "");
+    return 0;
+}

@@ -1,0 +1,46 @@
+/* Typed access to the tables of a TOML file, with messages that name file, line and column. The first complaint stays; after it
+ * nothing is read any more. */
+#ifndef SCREE_ENGINE_READER_H
+#define SCREE_ENGINE_READER_H
+
+#include "engine/toml.h"
+
+/* What is shared while one file is read. */
+struct scree_reader {
+    const char *name; /* of the file */
+    const struct scree_toml *root;
+    scree_trouble *trouble;
+    scree_status status; /* the first failure; everything after it does nothing */
+    void *into;          /* what the file is read into */
+};
+
+/* Complain about a node (NULL: the file). */
+SCREE_PRINTF(3, 4)
+void scree_complain(struct scree_reader *r, const struct scree_toml *node, const char *format, ...);
+
+/* Every key of `table` is one of `keys` (NULL-terminated); else the nearest is named. */
+void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, const char *what,
+                      const char *const *keys);
+
+/* A finite number; 0 after a complaint. */
+double scree_number_of(struct scree_reader *r, const struct scree_toml *node, const char *what);
+
+/* A number, string (NULL if absent), boolean (0 if absent) by key. */
+double scree_read_number(struct scree_reader *r, const struct scree_toml *table, const char *key, double fallback);
+const char *scree_read_string(struct scree_reader *r, const struct scree_toml *table, const char *key);
+int scree_read_boolean(struct scree_reader *r, const struct scree_toml *table, const char *key);
+
+/* Array of exactly `count` numbers; returns 1 if the key is there. */
+int scree_read_numbers(struct scree_reader *r, const struct scree_toml *table, const char *key, int count, double *to);
+
+/* A table by key, NULL if it isn't there or is no table (which is reported). */
+const struct scree_toml *scree_read_table(struct scree_reader *r, const struct scree_toml *table, const char *key);
+
+/* Call `read` for each entry of an array of tables. */
+void scree_read_each(struct scree_reader *r, const struct scree_toml *root, const char *key,
+                     void (*read)(struct scree_reader *, const struct scree_toml *));
+
+/* Index of a string among NULL-terminated words, or 0 with a complaint. */
+int scree_choose(struct scree_reader *r, const struct scree_toml *node, const char *what, const char *const *words);
+
+#endif
