@@ -1042,6 +1042,32 @@ static void test_cycle_tables(void) {
         }
 }
 
+/* ---- the same bits everywhere ---- */
+
+/* FNV-1a over the bits of some numbers. */
+static uint64_t hash_of(uint64_t hash, int count, const double *x) {
+    for (int k = 0; k < count; k++) {
+        uint64_t bits;
+        memcpy(&bits, &x[k], sizeof bits);
+        hash = (hash ^ bits) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+/* Plans, slides and limits of formulation A need only + - * / and sqrt, so every build must find these bits. */
+static void test_bits(void) {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (int n = 300; n <= 700; n += 40) {
+        scree_plan plan = plan_of(&task, n, SCREE_PLAN_A);
+        double range[2];
+        scree_limit_range(&task, &plan, 0.4, 1e-3, &range[0], &range[1]);
+        for (int k = 0; k < 4; k++) hash = hash_of(hash, SCREE_SEGMENT_TERMS, plan.profile.segment[k].c);
+        hash = hash_of(hash, 2, range);
+    }
+    CHECK(hash == 0xcd0b45d3f37b93ecu);
+    if (hash != 0xcd0b45d3f37b93ecu) printf("  hash %016llx\n", (unsigned long long)hash);
+}
+
 int main(void) {
     test_segments();
     test_extrema();
@@ -1070,5 +1096,6 @@ int main(void) {
     test_sensitivities();
     test_tables();
     test_cycle_tables();
+    test_bits();
     return check_report();
 }
