@@ -247,19 +247,24 @@ static void costs_mgh(const struct peer *solver) {
     }
 }
 
+static int wants(const struct peer *solver, const char *wanted) {
+    return solver != &solver_bare && strstr(solver->name, wanted);
+}
+
 static int print_costs(const char *wanted) {
     int code = EXIT_GOOD, found = 0;
+    for (int s = 0; s < SOLVERS; s++) found += wants(solvers[s], wanted);
+    if (!found) return cli_complain("this build has no solver \"%s\"", wanted);
     bench_describe_machine();
     printf("# calls until convergence; tolerances %.1e (and an initial factor of 100 for lmder), scree: its defaults\n",
            DBL_EPSILON);
     printf("solver,collection,problem,unknowns,residuals,start,residual_calls,jacobian_calls,result,claims\n");
     for (int s = 0; s < SOLVERS && !code; s++) {
-        if (solvers[s] == &solver_bare || !strstr(solvers[s]->name, wanted)) continue;
-        found = 1;
+        if (!wants(solvers[s], wanted)) continue;
         code = costs_nist(solvers[s]);
         if (!code) costs_mgh(solvers[s]);
     }
-    return found ? code : cli_complain("this build has no solver \"%s\"", wanted);
+    return code;
 }
 
 int bench_lm(int count, char **words) {

@@ -286,7 +286,7 @@ static int try_step(struct solver *s, int first, int *done) {
     double actual = -1.0;
     if (0.1 * trial_norm < s->norm) actual = (1.0 - trial_norm / s->norm) * (1.0 + trial_norm / s->norm);
     adapt_radius(s, actual, promised, along, trial_norm);
-    int accepted = actual >= 1e-4 * promised && promised > 0.0 && trial_norm < HUGE_VAL;
+    int accepted = actual >= 1e-4 * promised && promised > 0.0; /* actual is -1 where the residual isn't finite */
     if (accepted) {
         take_trial(s, trial_norm);
         s->x_norm = scaled(s, s->x);

@@ -50,11 +50,10 @@ typedef struct scree_lm_options {
     double reduction; /* stop when actual and predicted relative reduction of F are below it; 1e-10 */
     double radius;    /* … when the trust radius is below it times |D x|; 1e-12 */
     double cosine;    /* … when the largest cosine is below it; 1e-14 */
-    double
-        first; /* initial radius in parts of |D x0| (of |r| where x0 = 0); 0.28, chosen on three collections of test problems: of
-                          NIST's 54 runs values from 0.1 to 1 solve 50 to 54 */
-    int evaluations; /* most calls of the residual, differences and polish counted; 200 (n + 1) */
-    int central;     /* central instead of forward differences */
+    double first;     /* initial radius in parts of |D x0|, of |r| where x0 = 0; 0.28, chosen on three collections of
+                          test problems: of NIST's 54 runs values from 0.1 to 1 solve 50 to 54 */
+    int evaluations; /* most calls of the residual, all counted (differences that fail on one side may add some); 200 (n + 1) */
+    int central; /* central instead of forward differences */
     const double *
         typical; /* sizes of the unknowns, for difference steps where x_j is smaller; NULL: |x_j|, or 1 where x_j = 0 */
     int no_polish;    /* leave out the Gauss-Newton steps at the end */
@@ -87,9 +86,8 @@ typedef struct scree_lm_outcome {
     int rank;           /* of the free columns of the last Jacobian; below their number: the minimum isn't isolated */
     int free;           /* unknowns not held by a bound at the end */
     double norm;        /* |r| at the end (after the loss) */
-    double
-        cosine; /* largest cosine between residual and a free column, at the last Jacobian: the test of stationarity */
-    double last_step; /* |D p|/|D x| of the last Gauss-Newton step: an estimate of the relative error of x */
+    double cosine;      /* largest cosine between residual and a free column, at the last Jacobian */
+    double last_step;   /* |D p|/|D x| of the last Gauss-Newton step: an estimate of the relative error of x */
 } scree_lm_outcome;
 
 /* Bytes of workspace that a problem needs, 0 for sizes that make no sense; its memory must be aligned as malloc's. */
