@@ -6,6 +6,13 @@
 #include <stdio.h>
 #include <string.h>
 
+const char *scree_plan_state_name(enum scree_plan_state state) {
+    static const char *const names[] = {"good",          "bad task",          "no detachment", "early detachment",
+                                        "early contact", "second separation", "backwards",     "acceleration",
+                                        "jerk",          "no solution",       "model failed"};
+    return names[state];
+}
+
 /* ---- the task ---- */
 
 static void fail(scree_plan *plan, enum scree_plan_state state, const char *format, ...) {

@@ -44,6 +44,9 @@ enum scree_plan_state {
     SCREE_PLAN_MODEL_FAILED  /* the process model couldn't be evaluated */
 };
 
+/* "good", "no detachment", … */
+const char *scree_plan_state_name(enum scree_plan_state state);
+
 /* A planned motion. */
 typedef struct scree_plan {
     enum scree_plan_state state;

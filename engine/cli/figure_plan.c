@@ -184,6 +184,30 @@ static const char script_15[] =
     "     for [n=0:2] 'fig_15.csv' using ($1 == 300 + 200*n ? $2 : 1/0):(abs($4)) with linespoints ls n+4 title "
     "sprintf('velocity, %d/min', 300 + 200*n)\n";
 
+/* A rigid plan, simulated with friction other than planned for: how the clearance changes, with tines so stiff that the closed form
+ * for a rigid product holds but for the tines' swing, sqrt(m/k), at either end of the slide. */
+static void report_sensitivity(struct figures *figures, const struct process *process, double cycles) {
+    scree_plan plan;
+    scree_plan_options options = {.formulation = SCREE_PLAN_B};
+    scree_plan_make(&figures_task, cycles, &options, &plan);
+    scree_outcome by[SCREE_CONDITIONS];
+    scree_catch caught[2] = {{0}};
+    double off = 0.01, swing = sqrt(process->mass / 1e7);
+    if (plan.state || scree_rigid_sensitivities(&figures_task, &plan, by)) return;
+    for (int side = 0; side < 2; side++) {
+        struct process with = *process;
+        with.tine_stiffness = 1e7;
+        with.step = 1.5e-6;
+        with.kinetic_friction += side ? off : -off;
+        if (process_catch(&with, &plan.profile, plan.time[3], &caught[side])) caught[side].clearance = NAN;
+    }
+    char quantity[96];
+    snprintf(quantity, sizeof quantity, "clearance per unit of mu_k at %g/min, tines of 1e7 N/m (m)", cycles);
+    figures_report(figures, "15", quantity, by[SCREE_BY_FRICTION].clearance,
+                   (caught[1].clearance - caught[0].clearance) / (2.0 * off),
+                   2.0 * swing / (plan.time[3] - plan.detached));
+}
+
 scree_status figure_15(struct figures *figures) {
     struct process process;
     struct scree_out out = {0};
@@ -204,6 +228,7 @@ scree_status figure_15(struct figures *figures) {
         if (plan.state) status = scree_report(&figures->trouble, SCREE_FAILED, NULL, "no plan: %s", plan.text);
         if (!status) figures_report(figures, "15", quantity, 0.0, record.clearance[record.runs - 1], options.clearance);
     }
+    for (int n = 300; n <= 700 && !status; n += 200) report_sensitivity(figures, &process, n);
     process_free(&process);
     if (status) {
         scree_out_drop(&out, 0);

@@ -70,12 +70,17 @@ static char *file_name(const struct figures *figures, const char *name, const ch
     return path;
 }
 
-scree_status figures_table(struct figures *figures, const char *name, const char *header, struct scree_out *out) {
+scree_status figures_open(struct figures *figures, const char *name, struct scree_out *out) {
     char *path = file_name(figures, name, ".csv");
     if (!path) return scree_report(&figures->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     scree_status status = scree_out_open(out, path, &figures->trouble);
-    if (!status) fprintf(out->file, "%s\n", header);
     free(path);
+    return status;
+}
+
+scree_status figures_table(struct figures *figures, const char *name, const char *header, struct scree_out *out) {
+    scree_status status = figures_open(figures, name, out);
+    if (!status) fprintf(out->file, "%s\n", header);
     return status;
 }
 

@@ -51,6 +51,9 @@ scree_scene *figures_scene(const struct figures *figures, const char *file, cons
 /* How many contacts of the product are with bodies from index `first` on (the tines come last in the scenes). */
 scree_status figures_contacts_from(scree_scene *scene, int first, int *count);
 
+/* Open NAME.csv. */
+scree_status figures_open(struct figures *figures, const char *name, struct scree_out *out);
+
 /* Open NAME.csv with a header line. */
 scree_status figures_table(struct figures *figures, const char *name, const char *header, struct scree_out *out);
 

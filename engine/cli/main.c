@@ -15,6 +15,7 @@ static const char help[] =
     "  check SCENE      validate a scene and print its plan: what runs, what is skipped, the step and why\n"
     "  reproduce [FIGURE …]\n"
     "                   the verification experiments and the figures of the process model\n"
+    "  plan TRANSPORT   motion profiles for operating speeds, characteristic map, servo tables\n"
     "  laws [NAME]      the catalogue of contact laws: formula, source, parameters\n"
     "\n"
     "`scree COMMAND --help` tells more. Exit status: 0 success, 1 a result misses its bound or the "
@@ -24,7 +25,8 @@ static const char help[] =
 static const struct {
     const char *name;
     int (*run)(int count, char **words);
-} commands[] = {{"run", cli_run}, {"check", cli_check}, {"reproduce", cli_reproduce}, {"laws", cli_laws}};
+} commands[] = {
+    {"run", cli_run}, {"check", cli_check}, {"reproduce", cli_reproduce}, {"plan", cli_plan}, {"laws", cli_laws}};
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
