@@ -48,13 +48,13 @@ static inline struct scree_meeting scree_meet_rectangle(struct vec centre, doubl
     struct vec p = mat_undo(frame, vec_sub(centre, origin));
     double above = whole.box ? vec_dot(frame->column[2], vec_sub(whole.centre, origin)) : p.z;
     double side = above < 0.0 ? -1.0 : 1.0, height = side * p.z;
-    struct vec out = vec(p.x - fmin(fmax(p.x, -half[0]), half[0]), p.y - fmin(fmax(p.y, -half[1]), half[1]), 0.0);
-    double beside = vec_norm(out);
     int below = radius - height > thick;
-    if (below || beside == 0.0)
+    double x = fabs(p.x) - half[0], y = fabs(p.y) - half[1]; /* beyond the border where positive */
+    if (below || (x <= 0.0 && y <= 0.0))
         return (struct scree_meeting){vec_scale(side, frame->column[2]), below ? SCREE_OUTSIDE : radius - height};
-    if (height > 0.0) out.z = p.z;
+    struct vec out = vec(copysign(fmax(x, 0.0), p.x), copysign(fmax(y, 0.0), p.y), height > 0.0 ? p.z : 0.0);
     double distance = vec_norm(out);
+    if (distance == 0.0) return (struct scree_meeting){vec_scale(side, frame->column[2]), radius};
     return (struct scree_meeting){mat_apply(frame, vec_scale(1.0 / distance, out)), radius - distance};
 }
 

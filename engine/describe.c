@@ -5,7 +5,7 @@
 #include <math.h>
 
 static void describe_bodies(const scree_scene *scene, FILE *file) {
-    const struct scree_plan *plan = &scene->plan;
+    const struct scree_scene_plan *plan = &scene->plan;
     fprintf(file, "bodies: %d (%d moved by forces, %d driven, %d fixed)\n", scene->bodies.count, plan->free,
             plan->driven, plan->fixed);
     fprintf(file, "pairs of bodies: %ld, of which %ld can meet\n", plan->pairs_all, plan->pairs_meeting);

@@ -266,7 +266,7 @@ static scree_status make_bodies(struct scree_scene *scene) {
 }
 
 static void count_bodies(struct scree_scene *scene) {
-    struct scree_plan *plan = &scene->plan;
+    struct scree_scene_plan *plan = &scene->plan;
     const struct scree_bodies *bodies = &scene->bodies;
     for (int k = 0; k < bodies->count; k++) {
         int moves = scree_joint_can_move(&bodies->joint[k]);
@@ -281,7 +281,7 @@ static void count_bodies(struct scree_scene *scene) {
 /* Sort all pairs of bodies, species by species, into those that can meet and those that can't; fails on a pair that could
  * meet without a rule. */
 static scree_status check_pairs(struct scree_scene *scene, const struct species *species) {
-    struct scree_plan *plan = &scene->plan;
+    struct scree_scene_plan *plan = &scene->plan;
     const struct scree_bodies *bodies = &scene->bodies;
     for (int s = 0; s < species_count(scene); s++) {
         for (int t = s; t < species_count(scene); t++) {

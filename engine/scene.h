@@ -19,7 +19,7 @@ struct scree_step_choice {
 };
 
 /* What the plan says about the scene. */
-struct scree_plan {
+struct scree_scene_plan {
     struct scree_step_choice choice;
     int free, driven, fixed;       /* bodies */
     int balls, general;            /* free or driven ones, by class */
@@ -43,7 +43,7 @@ struct scree_scene {
     scree_time_def time;
 
     /* The running scene. */
-    struct scree_plan plan;
+    struct scree_scene_plan plan;
     struct scree_bodies bodies;
     struct scree_bodies shadow; /* records at the instant of the state, made when first measured */
     struct scree_contacts contacts;

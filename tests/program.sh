@@ -34,7 +34,7 @@ check version 0 'scree 0.' "$scree" --version
 check help 0 'usage: scree COMMAND' "$scree" --help
 check 'no command' 2 'usage' "$scree"
 check 'unknown command' 2 'did you mean "check"?' "$scree" chek
-for command in run check reproduce laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
+for command in run check reproduce plan laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
 check 'unknown option' 2 'did you mean "--threads"?' "$scree" run --thread 2
 check 'missing value' 2 'needs a value' "$scree" run x.toml -o
 check 'bad number' 2 'whole number' "$scree" run x.toml --threads two
@@ -210,6 +210,32 @@ if command -v gnuplot >/dev/null; then
     expect 'a plot is drawn' grep -q '</svg>' "$work/figures/fig_9.svg"
 fi
 check 'data folder' 2 'No such file' "$scree" reproduce -o "$work/figures" --data "$work" 11b
+
+# Plans.
+transport=$root/data/transport
+check 'figures of the plan' 0 '30 of 30 bounds met' env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 5b 14 15 forces
+plan() { env PATH=/nonexistent "$scree" plan "$@" -o "$work/plan"; }
+check 'a plan' 0 'hybrid operation: conventional up to 81.5' plan "$transport/bars.toml" --set 'plan.speeds=[500]' --set map.to=320 \
+    --set curves.count=3
+for file in plan.csv map.csv map.gp curves.csv servo_500.csv; do expect "plan writes $file" test -s "$work/plan/$file"; done
+expect 'the planned motion' grep -q '^500,good,0.0[0-9]*,0.0[0-9]*,0.0[0-9]*,0.0[0-9]*,1.8211[0-9]*,0.4434[0-9]*,1.7354[0-9]*,' "$work/plan/plan.csv"
+cp "$work/plan/servo_500.csv" "$work/first.csv"
+check 'threads change nothing' 0 'written to' plan "$transport/bars.toml" --threads 3 --set 'plan.speeds=[400, 500]'
+expect 'the same table' cmp "$work/first.csv" "$work/plan/servo_500.csv"
+check 'a rigid plan' 0 'times chosen at 800' plan "$transport/rigid.toml"
+check 'too slow for a plan' 1 'no plan: after the catch the comb brakes too softly' plan "$transport/bars.toml" --set 'plan.speeds=[90]' \
+    --set map.to=310 --set curves.count=2
+bad_plan() { check "$1" 2 "$2" plan "$transport/bars.toml" --set "$3"; }
+bad_plan 'a gap narrower than the product' 'is not wider than the product' transport.gap=0.02
+bad_plan 'times that decrease' 'must increase between 0 and 1' 'transport.times=[0.5, 0.25, 0.75]'
+bad_plan 'speed zero' 'an operating speed must be positive' 'plan.speeds=[0]'
+bad_plan 'an unknown key' 'did you mean "tine_stiffness"' model.tine_stifness=1.0
+bad_plan 'no such scene' 'No such file' 'model.scene="nothing.toml"'
+bad_plan 'speeds as a word' 'needs speeds = ' 'plan.speeds="fast"'
+bad_plan 'static below kinetic' 'must not be below kinetic' model.static=0.1
+bad_plan 'no such formulation' 'formulation must be one of "A", "B", "C"' 'plan.formulation="D"'
+check 'beyond the drive' 1 'the drive gives 1000' plan "$transport/bars.toml" --set 'plan.speeds=[1200]' --set map.to=310 --set curves.count=2
+check 'no model' 2 'needs a [model]' plan "$transport/rigid.toml" --set 'plan.formulation="C"'
 
 echo "$checks checks, $([ $failed -eq 0 ] && echo none || echo some) failed"
 exit $failed

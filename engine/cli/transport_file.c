@@ -62,6 +62,9 @@ static void read_task(struct scree_reader *r, struct transport_file *f) {
     const struct scree_toml *optimise = scree_toml_get(table, "optimise");
     f->optimised = optimise != NULL;
     if (optimise) f->shares = (enum scree_shares_rule)scree_choose(r, optimise, "optimise", rules);
+    scree_plan plan;
+    scree_plan_make(&f->task, 100.0, NULL, &plan); /* any speed: does the task make sense? */
+    if (plan.state == SCREE_PLAN_BAD_TASK) scree_complain(r, table, "%s", plan.text);
     const struct scree_toml *drive = scree_read_table(r, r->root, "drive");
     if (!drive) return;
     static const char *const limits[] = {"acceleration", "jerk", NULL};
@@ -178,11 +181,6 @@ static void read_plan(struct scree_reader *r, struct transport_file *f) {
     if (f->formulation == SCREE_PLAN_C && !f->modelled) scree_complain(r, formulation, "formulation C needs a [model]");
     if (f->optimised && f->shares == SCREE_LEAST_CATCH && !f->modelled)
         scree_complain(r, scree_toml_nearest(r->root, "transport.optimise"), "optimise = \"catch\" needs a [model]");
-    for (int k = 0; k < f->speeds && !r->status; k++) {
-        scree_plan plan;
-        scree_plan_make(&f->task, f->speed[k], NULL, &plan);
-        if (plan.state == SCREE_PLAN_BAD_TASK) scree_complain(r, scree_toml_get(r->root, "transport"), "%s", plan.text);
-    }
 }
 
 static void read_map(struct scree_reader *r, struct transport_file *f) {
