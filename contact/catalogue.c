@@ -101,6 +101,30 @@ static scree_status read_settings(const struct scree_law_text *text, const scree
     return SCREE_OK;
 }
 
+struct scree_elastic scree_elastic_of(const double young[2], const double poisson[2]) {
+    double soft = 0.0, yielding = 0.0;
+    for (int k = 0; k < 2; k++) {
+        if (!(young[k] > 0.0)) return (struct scree_elastic){0.0, 0.0};
+        double shear = young[k] / (2.0 * (1.0 + poisson[k]));
+        soft += (1.0 - poisson[k] * poisson[k]) / young[k];
+        yielding += (2.0 - poisson[k]) / shear;
+    }
+    if (soft == 0.0) return (struct scree_elastic){0.0, 0.0}; /* two rigid bodies have no contact stiffness */
+    return (struct scree_elastic){1.0 / soft, 1.0 / yielding};
+}
+
+/* Parameters that weren't given, from the materials. */
+static void take_from_materials(const struct scree_law_text *text, const struct scree_elastic *elastic,
+                                struct scree_values *values) {
+    for (int k = 0; text->parameters[k].name; k++) {
+        enum scree_material_value from = text->parameters[k].material;
+        double value = !elastic || from == SCREE_FROM_CONTACT ? 0.0
+                       : from == SCREE_FROM_MODULUS           ? elastic->modulus
+                                                              : elastic->shear;
+        if (isnan(values->v[k]) && value > 0.0) values->v[k] = value;
+    }
+}
+
 /* Every parameter that the law needs is there, and none that another one excludes. */
 static scree_status check_complete(const struct scree_law_text *text, struct scree_values *values,
                                    scree_trouble *trouble) {
@@ -126,6 +150,11 @@ static scree_status check_complete(const struct scree_law_text *text, struct scr
         for (int p = 0; text->parameters[p].name; p++)
             alternative |=
                 text->parameters[p].instead_of && strcmp(text->parameters[p].instead_of, parameter->name) == 0;
+        if (!alternative && parameter->material)
+            return scree_report(trouble, SCREE_BAD_INPUT, NULL,
+                                "the law \"%s\" needs %s (%s, in %s, %s), or `young` and `poisson` of both materials",
+                                text->name, parameter->name, parameter->meaning, parameter->unit,
+                                scree_range_text(parameter->range));
         if (!alternative)
             return scree_report(trouble, SCREE_BAD_INPUT, NULL, "the law \"%s\" needs %s (%s, in %s, %s)", text->name,
                                 parameter->name, parameter->meaning, parameter->unit,
@@ -134,10 +163,12 @@ static scree_status check_complete(const struct scree_law_text *text, struct scr
     return SCREE_OK;
 }
 
-static scree_status read_values(const struct scree_law_text *text, const scree_law_choice *choice, double share,
-                                struct scree_values *values, scree_trouble *trouble) {
+static scree_status read_values(const struct scree_law_text *text, const scree_law_choice *choice,
+                                const struct scree_elastic *elastic, double share, struct scree_values *values,
+                                scree_trouble *trouble) {
     for (int k = 0; k < SCREE_PARAMETERS; k++) values->v[k] = NAN;
     scree_status status = read_settings(text, choice, values, trouble);
+    take_from_materials(text, elastic, values);
     if (!status) status = check_complete(text, values, trouble);
     if (status) return status;
     for (int k = 0; text->parameters[k].name; k++)
@@ -145,7 +176,8 @@ static scree_status read_values(const struct scree_law_text *text, const scree_l
     return SCREE_OK;
 }
 
-static scree_status bake_normal(const scree_law_choice *choice, struct scree_rule *rule, scree_trouble *trouble) {
+static scree_status bake_normal(const scree_law_choice *choice, const struct scree_elastic *elastic,
+                                struct scree_rule *rule, scree_trouble *trouble) {
     if (!choice->law || !choice->law[0])
         return scree_report(trouble, SCREE_BAD_INPUT, NULL, "a contact needs a normal law, or none = true");
     rule->normal = scree_find_normal_law(choice->law);
@@ -156,11 +188,12 @@ static scree_status bake_normal(const scree_law_choice *choice, struct scree_rul
     }
     struct scree_values values;
     const struct scree_normal_law *law = scree_normal_laws[rule->normal];
-    scree_status status = read_values(&law->text, choice, rule->share, &values, trouble);
+    scree_status status = read_values(&law->text, choice, elastic, rule->share, &values, trouble);
     return status ? status : law->bake(&values, &rule->normal_constants, trouble);
 }
 
-static scree_status bake_friction(const scree_law_choice *choice, struct scree_rule *rule, scree_trouble *trouble) {
+static scree_status bake_friction(const scree_law_choice *choice, const struct scree_elastic *elastic,
+                                  struct scree_rule *rule, scree_trouble *trouble) {
     rule->friction = scree_find_friction_law(choice->law);
     if (rule->friction < 0) {
         const char *names[MOST_LAWS] = {0};
@@ -169,7 +202,7 @@ static scree_status bake_friction(const scree_law_choice *choice, struct scree_r
     }
     struct scree_values values;
     const struct scree_friction_law *law = scree_friction_laws[rule->friction];
-    scree_status status = read_values(&law->text, choice, rule->share, &values, trouble);
+    scree_status status = read_values(&law->text, choice, elastic, rule->share, &values, trouble);
     return status ? status : law->bake(&values, &rule->friction_constants, trouble);
 }
 
@@ -182,7 +215,8 @@ static scree_status within(const char *part, scree_status status, scree_trouble 
     return status;
 }
 
-scree_status scree_bake_rule(const scree_contact_def *def, struct scree_rule *rule, scree_trouble *trouble) {
+scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
+                             scree_trouble *trouble) {
     *rule = (struct scree_rule){.material = {def->between[0], def->between[1]}, .friction = -1, .share = 1.0};
     rule->touches = !def->none;
     if (def->none) return SCREE_OK;
@@ -190,15 +224,15 @@ scree_status scree_bake_rule(const scree_contact_def *def, struct scree_rule *ru
         return scree_report(trouble, SCREE_BAD_INPUT, "shared_by", "shared_by must be a positive count, got %d",
                             def->shared_by);
     rule->share = def->shared_by ? def->shared_by : 1;
-    scree_status status = within("normal", bake_normal(&def->normal, rule, trouble), trouble);
+    scree_status status = within("normal", bake_normal(&def->normal, elastic, rule, trouble), trouble);
     if (status || !def->friction.law || !def->friction.law[0]) return status;
-    return within("friction", bake_friction(&def->friction, rule, trouble), trouble);
+    return within("friction", bake_friction(&def->friction, elastic, rule, trouble), trouble);
 }
 
 static double coefficient_at(const struct scree_friction_law *law, const struct scree_law_constants *constants,
                              double speed) {
     struct scree_sliding at = {.normal = 1.0, .velocity = {speed, 0.0, 0.0}};
-    return -law->force(constants, at).force.x;
+    return -law->force(constants, (struct scree_pair_constants){{0.0}}, at).force.x;
 }
 
 double scree_creep_speed(const struct scree_friction_law *law, const struct scree_law_constants *constants,

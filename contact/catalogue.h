@@ -23,9 +23,18 @@ struct scree_rule {
 int scree_find_normal_law(const char *name);
 int scree_find_friction_law(const char *name);
 
-/* Turn a definition into a rule. SCREE_BAD_INPUT names the law, the parameter and its range: unknown law or
+/* What the two materials of a contact are made of: effective moduli, Pa; 0 where they don't say. */
+struct scree_elastic {
+    double modulus, shear;
+};
+
+/* Effective moduli of two materials by Young's moduli (Pa; HUGE_VAL: rigid; 0: unknown) and Poisson's ratios. */
+struct scree_elastic scree_elastic_of(const double young[2], const double poisson[2]);
+
+/* Turn a definition into a rule; `elastic` may be NULL. SCREE_BAD_INPUT names the law, the parameter and its range: unknown law or
  * parameter, one missing, out of its range, or two that contradict each other. */
-scree_status scree_bake_rule(const scree_contact_def *def, struct scree_rule *rule, scree_trouble *trouble);
+scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
+                             scree_trouble *trouble);
 
 /* "> 0", "0 … 1" and so on, for people. */
 const char *scree_range_text(enum scree_range range);

@@ -18,7 +18,7 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
             struct scree_batch *batch = &contacts->batch[contacts->batches];
             batch->geometry = (enum scree_geometry)geometry;
             batch->rule = rule;
-            batch->memory = law ? law->memory : 0;
+            batch->memory = scree_normal_laws[rules[rule].normal]->memory || (law && law->memory);
             batch->turns = law != NULL || geometry == SCREE_BALL_BOX;
             batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
             contacts->batch_of[rule * SCREE_GEOMETRIES + geometry] = contacts->batches++;

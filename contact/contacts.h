@@ -16,6 +16,9 @@
 
 enum { SCREE_LANES = 16 }; /* contacts in a block: their work columns stay in the L1 cache */
 
+/* Columns of pair constants: those of the normal law, then two of the friction law. */
+enum { SCREE_PAIR_FRICTION = SCREE_PAIR_CONSTANTS, SCREE_PAIR_COLUMNS = SCREE_PAIR_CONSTANTS + 2 };
+
 enum scree_geometry { SCREE_BALL_BALL, SCREE_BALL_PLANE, SCREE_BALL_RECTANGLE, SCREE_BALL_BOX, SCREE_GEOMETRIES };
 
 /* One contact: ball on body `ball`, partner body `host`; `corner` is a row of the bodies' corner table (0: the ball is the
@@ -38,16 +41,16 @@ struct scree_yield {
 struct scree_batch {
     enum scree_geometry geometry;
     int rule;      /* index of the laws */
-    int memory;    /* doubles kept per contact: 0 or SCREE_MEMORY */
+    int memory;    /* a law keeps numbers of each contact */
     int turns;     /* all contacts can turn bodies: friction, or a box as partner; else only those of corners */
     int any_turns; /* some do */
     double slope;  /* of the friction law, s/m; 0 if it isn't regularised by velocity */
     int uniform;   /* one set of pair constants serves all (made for the first block) */
     int count, capacity;
     struct scree_contact *contact;
-    double (*pair)[SCREE_PAIR_CONSTANTS][SCREE_LANES]; /* per block, or one if uniform */
-    double (*kept)[SCREE_MEMORY][SCREE_LANES];         /* contact memory per block; NULL without */
-    struct scree_yield *yield;                         /* per block */
+    double (*pair)[SCREE_PAIR_COLUMNS][SCREE_LANES]; /* per block, or one if uniform */
+    double (*kept)[SCREE_MEMORY][SCREE_LANES];       /* contact memory per block; NULL without */
+    struct scree_yield *yield;                       /* per block */
     /* The list before this one, from which memory is carried over. */
     int old_count;
     struct scree_contact *old_contact;

@@ -35,7 +35,9 @@ static inline scree_status friction_coulomb_bake(const struct scree_values *valu
 }
 
 static inline struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
+                                                             struct scree_pair_constants pair,
                                                              struct scree_sliding at) {
+    (void)pair;
     double k = law->c[COULOMB_STIFFNESS], c = law->c[COULOMB_DAMPING];
     struct vec middle = vec_axpy(at.stretch, at.half, at.velocity);
     struct vec trial = vec_axpy(vec_scale(-k, middle), -c, at.velocity);
@@ -52,11 +54,16 @@ static inline struct scree_tangential friction_coulomb_force(const struct scree_
     return (struct scree_tangential){force, stretch, slides ? 1.0 : 0.0};
 }
 
-static inline double friction_coulomb_stored(const struct scree_law_constants *law, struct vec stretch) {
-    return 0.5 * law->c[COULOMB_STIFFNESS] * vec_norm2(stretch);
+static inline double friction_coulomb_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                             struct scree_sliding at) {
+    (void)pair;
+    return 0.5 * law->c[COULOMB_STIFFNESS] * vec_norm2(at.stretch);
 }
 
-static inline double friction_coulomb_stiffness(const struct scree_law_constants *law) {
+static inline double friction_coulomb_stiffness(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                                double overlap) {
+    (void)pair;
+    (void)overlap;
     return law->c[COULOMB_STIFFNESS];
 }
 
@@ -70,7 +77,7 @@ static const struct scree_friction_law scree_friction_coulomb = {
                      "friction force overshoot "
                      "to twice its resting value.",
              .parameters = coulomb_parameters},
-    .memory = SCREE_MEMORY,
+    .memory = 1,
     .bake = friction_coulomb_bake,
     .force = friction_coulomb_force,
     .stored = friction_coulomb_stored,

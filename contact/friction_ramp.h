@@ -21,7 +21,8 @@ static inline scree_status friction_ramp_bake(const struct scree_values *values,
 }
 
 static inline struct scree_tangential friction_ramp_force(const struct scree_law_constants *law,
-                                                          struct scree_sliding at) {
+                                                          struct scree_pair_constants pair, struct scree_sliding at) {
+    (void)pair;
     double speed = vec_norm(at.velocity);
     double w = speed / law->c[RAMP_THRESHOLD];
     return scree_against(at, law->c[RAMP_KINETIC] * (w < 1.0 ? w : 1.0), speed);
@@ -41,7 +42,7 @@ static const struct scree_friction_law scree_friction_ramp = {
     .force = friction_ramp_force,
     .stored = scree_no_store,
     .slope = friction_ramp_slope,
-    .stiffness = scree_zero,
+    .stiffness = scree_no_stiffness,
     .damping = scree_zero,
 };
 

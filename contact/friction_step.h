@@ -30,7 +30,8 @@ static inline scree_status friction_step_bake(const struct scree_values *values,
 }
 
 static inline struct scree_tangential friction_step_force(const struct scree_law_constants *law,
-                                                          struct scree_sliding at) {
+                                                          struct scree_pair_constants pair, struct scree_sliding at) {
+    (void)pair;
     double speed = vec_norm(at.velocity);
     double vs = law->c[STEP_STICTION_SPEED], vd = law->c[STEP_SLIDING_SPEED], s = law->c[STEP_STATIC];
     double w = speed / vs;
@@ -55,7 +56,7 @@ static const struct scree_friction_law scree_friction_step = {
     .force = friction_step_force,
     .stored = scree_no_store,
     .slope = friction_step_slope,
-    .stiffness = scree_zero,
+    .stiffness = scree_no_stiffness,
     .damping = scree_zero,
 };
 

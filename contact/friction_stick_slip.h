@@ -24,7 +24,9 @@ static inline scree_status friction_stick_slip_bake(const struct scree_values *v
 }
 
 static inline struct scree_tangential friction_stick_slip_force(const struct scree_law_constants *law,
+                                                                struct scree_pair_constants pair,
                                                                 struct scree_sliding at) {
+    (void)pair;
     double speed = vec_norm(at.velocity);
     double w = speed / law->c[STICK_SLIP_THRESHOLD];
     double fall = 2.0 * (w - 1.0); /* 0 at the threshold, 1 at 1.5 times the threshold */
@@ -49,7 +51,7 @@ static const struct scree_friction_law scree_friction_stick_slip = {
     .force = friction_stick_slip_force,
     .stored = scree_no_store,
     .slope = friction_stick_slip_slope,
-    .stiffness = scree_zero,
+    .stiffness = scree_no_stiffness,
     .damping = scree_zero,
 };
 

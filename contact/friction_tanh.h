@@ -6,7 +6,8 @@
 #include "contact/friction_ramp.h"
 
 static inline struct scree_tangential friction_tanh_force(const struct scree_law_constants *law,
-                                                          struct scree_sliding at) {
+                                                          struct scree_pair_constants pair, struct scree_sliding at) {
+    (void)pair;
     double speed = vec_norm(at.velocity);
     return scree_against(at, law->c[RAMP_KINETIC] * scree_tanh(speed / law->c[RAMP_THRESHOLD]), speed);
 }
@@ -22,7 +23,7 @@ static const struct scree_friction_law scree_friction_tanh = {
     .force = friction_tanh_force,
     .stored = scree_no_store,
     .slope = friction_ramp_slope,
-    .stiffness = scree_zero,
+    .stiffness = scree_no_stiffness,
     .damping = scree_zero,
 };
 

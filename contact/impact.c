@@ -19,7 +19,8 @@ struct motion {
 static double force_on(const struct pair *pair, struct motion at) {
     /* At the turning point rounding must not pick the other branch. */
     double closing = pair->approaching ? fmax(at.closing, 1e-300) : fmin(at.closing, -1e-300);
-    struct scree_normal_force f = pair->law->force(pair->constants, pair->of_pair, at.overlap, closing);
+    struct scree_normal_force f =
+        pair->law->force(pair->constants, pair->of_pair, (struct scree_pressing){at.overlap, closing, 0.0, 0.0});
     return f.elastic + f.damping * at.closing;
 }
 
@@ -61,14 +62,18 @@ static double locate_end(const struct pair *pair, struct motion at, double h) {
 /* Time in which the elastic energy would stop the approach: the scale of the spring. */
 static double spring_time(const struct pair *pair, double speed) {
     double energy = 0.5 * pair->mass * speed * speed, deepest = 1e-12;
-    while (pair->law->stored(pair->constants, pair->of_pair, deepest) < energy && deepest < 1e6) deepest *= 1.25;
+    while (pair->law->stored(pair->constants, pair->of_pair, (struct scree_pressing){.overlap = deepest}) < energy &&
+           deepest < 1e6)
+        deepest *= 1.25;
     return deepest / speed;
 }
 
 /* A four-thousandth of the shorter of the times in which spring and dashpot change the motion here. */
 static double step_length(const struct pair *pair, struct motion at, double spring) {
     double closing = pair->approaching ? 1e-300 : -1e-300;
-    double damping = pair->law->force(pair->constants, pair->of_pair, at.overlap, closing).damping;
+    double damping =
+        pair->law->force(pair->constants, pair->of_pair, (struct scree_pressing){at.overlap, closing, 0.0, 0.0})
+            .damping;
     return fmin(spring, pair->mass / (damping + 1e-300)) / 4000.0;
 }
 

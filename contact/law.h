@@ -13,7 +13,11 @@
 #include "bodies/trouble.h"
 #include "bodies/vec.h"
 
-enum { SCREE_LAW_CONSTANTS = 8, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 8, SCREE_MEMORY = 4 };
+enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12 };
+
+/* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, and two numbers of the normal
+ * law. All zero when a contact begins. */
+enum { SCREE_KEPT_FRICTION = 0, SCREE_KEPT_NORMAL = 4, SCREE_MEMORY = 6 };
 
 /* Which numbers a parameter may take. */
 enum scree_range {
@@ -24,13 +28,21 @@ enum scree_range {
     SCREE_FROM_ONE_TO_3, /* 1 … 3 */
 };
 
+/* What two materials say of a contact between them. */
+enum scree_material_value {
+    SCREE_FROM_CONTACT = 0, /* nothing: the parameter is given with the contact */
+    SCREE_FROM_MODULUS,     /* 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (Hertz 1882) */
+    SCREE_FROM_SHEAR        /* 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2 (Mindlin 1949) */
+};
+
 struct scree_parameter {
     const char *name, *unit, *meaning;
     enum scree_range range;
     const char *instead_of; /* name of another parameter: exactly one of the two must be given */
     double fallback;        /* counts if the parameter isn't given and `optional` is set */
     int optional;
-    int shared; /* divided by the number of contacts that share one load */
+    enum scree_material_value material; /* taken from the two materials if it isn't given */
+    int shared;                         /* divided by the number of contacts that share one load */
 };
 
 /* Values of the parameters in the order of their list; NAN where not given. */
@@ -48,10 +60,16 @@ struct scree_pair_constants {
     double c[SCREE_PAIR_CONSTANTS];
 };
 
+/* A contact as a normal law sees it, with the two numbers that the law has kept of it (zero when it begins). */
+struct scree_pressing {
+    double overlap, closing, first, second;
+};
+
 /* F = elastic + damping u, cut to F >= 0 if the law says so. `reversible` is dU/dd, the part of the force that is
- * stored in the contact; the power lost is (F - reversible) u. */
+ * stored in the contact; the power lost is (F - reversible) u. `first` and `second` are kept; a law forgets them by itself
+ * where the contact has ended. */
 struct scree_normal_force {
-    double elastic, damping, reversible;
+    double elastic, damping, reversible, first, second;
 };
 
 /* Description common to all laws. Texts are plain sentences; parameters end with a NULL name. */
@@ -62,24 +80,29 @@ struct scree_law_text {
 
 struct scree_normal_law {
     struct scree_law_text text;
-    int cut; /* force never pulls: F = max(0, F); the contact ends where F = 0 */
+    int cut;    /* force never pulls: F = max(0, F); the contact ends where F = 0 */
+    int memory; /* keeps numbers of the contact */
     /* Check what ranges can't say and compute the law's constants. `values` are within their ranges. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* `mass` effective mass m1 m2/(m1 + m2), kg; `radius` effective radius R1 R2/(R1 + R2), m. */
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);
     struct scree_normal_force (*force)(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                       double overlap, double closing);
-    double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
+                                       struct scree_pressing at);
+    /* Energy that the contact gives back, J. */
+    double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at);
+    /* Largest gap at which bodies that have touched still pull each other, m; NULL: none. Such a law keeps in `second` whether
+     * they do (> 0). */
+    double (*reach)(const struct scree_law_constants *law, struct scree_pair_constants pair);
     /* Closed form of the restitution of two bodies of effective mass `mass` that meet at `speed`; NULL if none. */
     double (*restitution)(const struct scree_law_constants *law, struct scree_pair_constants pair, double mass,
                           double speed);
 };
 
 /* A contact as a friction law sees it in the middle of a step: normal force (>= 0), tangential velocity of the ball against
- * its partner, and the memory as it was `half` a step (s) before: the tangential stretch, and whether the contact was
+ * its partner, overlap, and the memory as it was `half` a step (s) before: the tangential stretch, and whether the contact was
  * sliding. With half = 0 everything is of one instant. */
 struct scree_sliding {
-    double normal, half;
+    double normal, overlap, half;
     struct vec velocity, stretch;
     double sliding;
 };
@@ -92,14 +115,18 @@ struct scree_tangential {
 
 struct scree_friction_law {
     struct scree_law_text text;
-    int memory; /* doubles kept per contact between steps: 0 or SCREE_MEMORY */
+    int memory; /* keeps stretch and state */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
-    struct scree_tangential (*force)(const struct scree_law_constants *law, struct scree_sliding at);
-    double (*stored)(const struct scree_law_constants *law, struct vec stretch);
+    /* As for normal laws; only the first two constants count. NULL: there are none. */
+    struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);
+    struct scree_tangential (*force)(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                     struct scree_sliding at);
+    /* Energy in the stretch, J. */
+    double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_sliding at);
     /* Steepest rise of the coefficient with speed, s/m, and stiffness (N/m) and damping (N s/m) of a tangential
-     * spring: what limits the step. Zero where there is none. */
+     * spring at an overlap: what limits the step. Zero where there is none. */
     double (*slope)(const struct scree_law_constants *law);
-    double (*stiffness)(const struct scree_law_constants *law);
+    double (*stiffness)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
     double (*damping)(const struct scree_law_constants *law);
 };
 
@@ -112,10 +139,29 @@ static inline struct scree_tangential scree_against(struct scree_sliding at, dou
     return (struct scree_tangential){vec_scale(s, at.velocity), {0.0, 0.0, 0.0}, 0.0};
 }
 
-static inline double scree_no_store(const struct scree_law_constants *law, struct vec stretch) {
+static inline double scree_no_store(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                    struct scree_sliding at) {
     (void)law;
-    (void)stretch;
+    (void)pair;
+    (void)at;
     return 0.0;
+}
+
+static inline double scree_no_stiffness(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                        double overlap) {
+    (void)law;
+    (void)pair;
+    (void)overlap;
+    return 0.0;
+}
+
+/* For normal laws whose constants don't depend on the pair of bodies. */
+static inline struct scree_pair_constants scree_any_pair(const struct scree_law_constants *law, double mass,
+                                                         double radius) {
+    (void)law;
+    (void)mass;
+    (void)radius;
+    return (struct scree_pair_constants){{0.0}};
 }
 
 static inline double scree_zero(const struct scree_law_constants *law) {

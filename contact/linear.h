@@ -35,9 +35,9 @@ static inline struct scree_pair_constants linear_pair(const struct scree_law_con
 }
 
 static inline double linear_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                   double overlap) {
+                                   struct scree_pressing at) {
     (void)pair;
-    return 0.5 * law->c[LINEAR_STIFFNESS] * overlap * overlap;
+    return 0.5 * law->c[LINEAR_STIFFNESS] * at.overlap * at.overlap;
 }
 
 static inline double linear_zeta(const struct scree_law_constants *law, struct scree_pair_constants pair, double mass) {

@@ -155,25 +155,36 @@ static void carry_memory_over(struct scree_batch *batch) {
     }
 }
 
-static struct scree_pair_constants constants_of(const struct scree_contacts *contacts,
-                                                const struct scree_bodies *bodies, const struct scree_batch *batch,
-                                                const struct scree_contact *contact) {
+/* Constants of both laws for a pair of bodies, in the order of the columns. */
+struct columns {
+    double c[SCREE_PAIR_COLUMNS];
+};
+
+static struct columns constants_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                   const struct scree_batch *batch, const struct scree_contact *contact) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     double mass = scree_effective_mass(bodies, contact->ball, contact->host) / rule->share;
     double radius = scree_effective_radius(bodies, contact->ball, contact->host, batch->geometry);
-    return scree_normal_laws[rule->normal]->pair(&rule->normal_constants, mass, radius);
+    const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
+    struct scree_pair_constants normal = scree_normal_laws[rule->normal]->pair(&rule->normal_constants, mass, radius);
+    struct scree_pair_constants tangential = {{0.0}};
+    if (friction && friction->pair) tangential = friction->pair(&rule->friction_constants, mass, radius);
+    struct columns columns;
+    memcpy(columns.c, normal.c, sizeof normal.c);
+    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++) columns.c[c] = tangential.c[c - SCREE_PAIR_FRICTION];
+    return columns;
 }
 
-/* The law's constants for each pair of bodies; one block of them where all pairs have the same. */
+/* The laws' constants for each pair of bodies; one block of them where all pairs have the same. */
 static void set_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                struct scree_batch *batch) {
-    struct scree_pair_constants first = {{0.0}}, pair = first;
+    struct columns first = {{0.0}}, pair = first;
     batch->uniform = 1;
     for (int k = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
         if (k < batch->count) pair = constants_of(contacts, bodies, batch, &batch->contact[k]);
         if (k == 0) first = pair;
         if (memcmp(&first, &pair, sizeof pair) != 0) batch->uniform = 0;
-        for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) batch->pair[k / SCREE_LANES][c][k % SCREE_LANES] = pair.c[c];
+        for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[k / SCREE_LANES][c][k % SCREE_LANES] = pair.c[c];
     }
 }
 

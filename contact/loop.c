@@ -22,6 +22,7 @@ struct block {
     double slip[3][SCREE_LANES];     /* tangential velocity of the ball, m/s */
     double force[SCREE_LANES];       /* normal, N */
     double reversible[SCREE_LANES];  /* part of it that is stored, N */
+    double touching[SCREE_LANES];    /* 1 while the contact lasts, else 0 */
     double friction[3][SCREE_LANES]; /* N */
 };
 
@@ -99,10 +100,8 @@ static void gather(const struct scree_bodies *bodies, const struct scree_contact
     }
 }
 
-typedef void normal_pass(struct block *b, int count, const struct scree_law_constants *law, double (*pair)[SCREE_LANES],
-                         double step);
-typedef void friction_pass(struct block *b, int count, const struct scree_law_constants *law,
-                           double (*kept)[SCREE_LANES], double step);
+typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, double (*pair)[SCREE_LANES],
+                      double (*kept)[SCREE_LANES], double step);
 
 /* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. */
 static inline double share_in_touch(double overlap, double closing, double step) {
@@ -117,18 +116,30 @@ static inline double share_in_touch(double overlap, double closing, double step)
  * is left as it is: there the mid-step rule is of second order already, and reversible. */
 #define NORMAL_PASS(word)                                                                                              \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
-                                   double(*pair)[SCREE_LANES], double step) {                                          \
+                                   double(*pair)[SCREE_LANES], double(*kept)[SCREE_LANES], double step) {              \
         struct scree_law_constants constants = *law;                                                                   \
+        double(*own)[SCREE_LANES] = kept ? kept + SCREE_KEPT_NORMAL : NULL;                                            \
         _Pragma("omp simd")                                                                                            \
         for (int k = 0; k < padded(count); k++) {                                                                      \
             struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                  \
-            struct scree_normal_force f = normal_##word##_force(&constants, of_pair, b->overlap[k], b->closing[k]);    \
-            int touching = b->overlap[k] > 0.0;                                                                        \
-            double share = share_in_touch(b->overlap[k], b->closing[k], step);                                         \
-            double force = (touching ? f.elastic : 0.0) + share * f.damping * b->closing[k];                           \
+            struct scree_pressing at = {b->overlap[k], b->closing[k], 0.0, 0.0};                                       \
+            if (scree_normal_##word.memory) {                                                                          \
+                at.first = own[0][k];                                                                                  \
+                at.second = own[1][k];                                                                                 \
+            }                                                                                                          \
+            struct scree_normal_force f = normal_##word##_force(&constants, of_pair, at);                              \
+            if (scree_normal_##word.memory) {                                                                          \
+                own[0][k] = f.first;                                                                                   \
+                own[1][k] = f.second;                                                                                  \
+            }                                                                                                          \
+            int touching = scree_normal_##word.reach ? f.second > 0.0 : at.overlap > 0.0;                              \
+            double share = share_in_touch(at.overlap, at.closing, step);                                               \
+            share = scree_normal_##word.reach ? (touching ? 1.0 : 0.0) : share;                                        \
+            double force = (touching ? f.elastic : 0.0) + share * f.damping * at.closing;                              \
             force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                              \
             b->force[k] = force;                                                                                       \
             b->reversible[k] = touching ? f.reversible : 0.0;                                                          \
+            b->touching[k] = touching ? 1.0 : 0.0;                                                                     \
         }                                                                                                              \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
@@ -146,33 +157,35 @@ static inline struct vec into_tangent_plane(struct vec stretch, struct vec norma
 /* One pass per friction law. The memory belongs to the ends of steps, the velocity to their middle. */
 #define FRICTION_PASS(word)                                                                                            \
     static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
-                                     double(*kept)[SCREE_LANES], double step) {                                        \
+                                     double(*pair)[SCREE_LANES], double(*kept)[SCREE_LANES], double step) {            \
         struct scree_law_constants constants = *law;                                                                   \
         double half = 0.5 * step;                                                                                      \
         _Pragma("omp simd")                                                                                            \
         for (int k = 0; k < padded(count); k++) {                                                                      \
             double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                     \
-            struct scree_sliding at = {.normal = normal, .half = half, .velocity = get(b->slip, k)};                   \
+            struct scree_pair_constants of_pair = {                                                                    \
+                {pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};                           \
+            struct scree_sliding at = {                                                                                \
+                .normal = normal, .overlap = b->overlap[k], .half = half, .velocity = get(b->slip, k)};                \
             if (scree_friction_##word.memory) {                                                                        \
                 at.stretch = into_tangent_plane(get(kept, k), get(b->n, k));                                           \
                 at.sliding = kept[3][k];                                                                               \
             }                                                                                                          \
-            struct scree_tangential f = friction_##word##_force(&constants, at);                                       \
+            struct scree_tangential f = friction_##word##_force(&constants, of_pair, at);                              \
             put(b->friction, k, f.force);                                                                              \
             if (scree_friction_##word.memory) {                                                                        \
-                double touching = b->overlap[k] > 0.0 ? 1.0 : 0.0;                                                     \
-                put(kept, k, vec_scale(touching, f.stretch));                                                          \
-                kept[3][k] = touching * f.sliding;                                                                     \
+                put(kept, k, vec_scale(b->touching[k], f.stretch));                                                    \
+                kept[3][k] = b->touching[k] * f.sliding;                                                               \
             }                                                                                                          \
         }                                                                                                              \
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
 
 #define ENTRY(word) normal_pass_##word,
-static normal_pass *const normal_passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
+static law_pass *const normal_passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
 #undef ENTRY
 #define ENTRY(word) friction_pass_##word,
-static friction_pass *const friction_passes[] = {SCREE_FRICTION_LAWS(ENTRY)};
+static law_pass *const friction_passes[] = {SCREE_FRICTION_LAWS(ENTRY)};
 #undef ENTRY
 
 /* Impulses on both bodies. Without friction a ball at the centre of its body can't turn it. */
@@ -230,10 +243,10 @@ static void act_block(const struct scree_contacts *contacts, const struct scree_
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     int count = contacts_in_block(batch, block), friction = rule->friction >= 0;
     gather(bodies, batch->contact + block * SCREE_LANES, count, batch->geometry, &b);
-    normal_passes[rule->normal](&b, count, &rule->normal_constants, batch->pair[batch->uniform ? 0 : block], step);
-    if (friction)
-        friction_passes[rule->friction](&b, count, &rule->friction_constants, batch->memory ? batch->kept[block] : NULL,
-                                        step);
+    double(*pair)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
+    double(*kept)[SCREE_LANES] = batch->memory ? batch->kept[block] : NULL;
+    normal_passes[rule->normal](&b, count, &rule->normal_constants, pair, kept, step);
+    if (friction) friction_passes[rule->friction](&b, count, &rule->friction_constants, pair, kept, step);
     write_yield(&b, count, step, friction, batch->any_turns, batch->slope, &batch->yield[block]);
     if (contacts->measured) measure_losses(&b, count, step, friction, &batch->yield[block]);
 }
@@ -303,17 +316,28 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     int block = index / SCREE_LANES, lane = index % SCREE_LANES;
     struct block b;
     gather(bodies, contact, 1, batch->geometry, &b);
-    if (!(b.overlap[0] > 0.0)) return 0;
-    struct scree_pair_constants pair;
-    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = batch->pair[batch->uniform ? 0 : block][c][lane];
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    struct scree_normal_force f = normal->force(&rule->normal_constants, pair, b.overlap[0], b.closing[0]);
+    struct scree_pressing pressing = {b.overlap[0], b.closing[0], 0.0, 0.0};
+    double(*kept)[SCREE_LANES] = batch->memory ? batch->kept[block] : NULL;
+    if (normal->memory) {
+        pressing.first = kept[SCREE_KEPT_NORMAL][lane];
+        pressing.second = kept[SCREE_KEPT_NORMAL + 1][lane];
+    }
+    double(*columns)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
+    struct scree_pair_constants pair, tangential_pair = {{0.0}};
+    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = columns[c][lane];
+    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++)
+        tangential_pair.c[c - SCREE_PAIR_FRICTION] = columns[c][lane];
+    struct scree_normal_force f = normal->force(&rule->normal_constants, pair, pressing);
+    if (!(normal->reach ? f.second > 0.0 : b.overlap[0] > 0.0)) return 0;
     double force = f.elastic + f.damping * b.closing[0];
+    pressing.first = f.first;
+    pressing.second = f.second;
     *touch = (struct scree_touch){.ball = contact->ball, .host = contact->host, .corner = contact->corner};
     touch->overlap = b.overlap[0];
     touch->closing = b.closing[0];
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
-    touch->stored = normal->stored(&rule->normal_constants, pair, b.overlap[0]);
+    touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
     touch->normal = get(b.n, 0);
     touch->point = vec_add(vec_from(bodies->record[contact->ball].x), get(b.arm, 0));
     touch->slip = get(b.slip, 0);
@@ -321,15 +345,17 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
 
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
+                               .overlap = touch->overlap,
                                .velocity = touch->slip};
-    if (batch->memory) {
-        at.stretch = into_tangent_plane(get(batch->kept[block], lane), touch->normal);
-        at.sliding = batch->kept[block][3][lane];
+    if (friction->memory) {
+        at.stretch = into_tangent_plane(get(kept, lane), touch->normal);
+        at.sliding = kept[3][lane];
     }
-    struct scree_tangential t = friction->force(&rule->friction_constants, at);
+    struct scree_tangential t = friction->force(&rule->friction_constants, tangential_pair, at);
     touch->tangential = t.force;
     touch->stretch = t.stretch;
     touch->sliding = t.sliding > 0.0;
-    touch->stored_in_friction = friction->stored(&rule->friction_constants, t.stretch);
+    at.stretch = t.stretch;
+    touch->stored_in_friction = friction->stored(&rule->friction_constants, tangential_pair, at);
     return 1;
 }

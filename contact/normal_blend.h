@@ -35,29 +35,20 @@ static inline scree_status normal_blend_bake(const struct scree_values *values, 
     return SCREE_OK;
 }
 
-static inline struct scree_pair_constants blend_pair(const struct scree_law_constants *law, double mass,
-                                                     double radius) {
-    (void)law;
-    (void)mass;
-    (void)radius;
-    return (struct scree_pair_constants){{0.0}};
-}
-
 static inline struct scree_normal_force normal_blend_force(const struct scree_law_constants *law,
-                                                           struct scree_pair_constants pair, double overlap,
-                                                           double closing) {
+                                                           struct scree_pair_constants pair, struct scree_pressing at) {
     (void)pair;
-    double touching = overlap > 0.0 ? overlap : 0.0;
+    double touching = at.overlap > 0.0 ? at.overlap : 0.0;
     double spring = law->c[BLEND_STIFFNESS] * scree_power(touching, law->c[BLEND_EXPONENT]);
-    double dashpot = law->c[BLEND_DAMPING] * scree_step(overlap / law->c[BLEND_FULL]);
-    return (struct scree_normal_force){spring, closing > 0.0 ? dashpot : 0.0, spring};
+    double dashpot = law->c[BLEND_DAMPING] * scree_step(at.overlap / law->c[BLEND_FULL]);
+    return (struct scree_normal_force){spring, at.closing > 0.0 ? dashpot : 0.0, spring, 0.0, 0.0};
 }
 
 static inline double normal_blend_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                         double overlap) {
+                                         struct scree_pressing at) {
     (void)pair;
     double p = law->c[BLEND_EXPONENT];
-    return law->c[BLEND_STIFFNESS] * overlap * scree_power(overlap, p) / (p + 1.0);
+    return law->c[BLEND_STIFFNESS] * at.overlap * scree_power(at.overlap, p) / (p + 1.0);
 }
 
 static const struct scree_normal_law scree_normal_blend = {
@@ -71,7 +62,7 @@ static const struct scree_normal_law scree_normal_blend = {
              .parameters = blend_parameters},
     .cut = 0,
     .bake = normal_blend_bake,
-    .pair = blend_pair,
+    .pair = scree_any_pair,
     .force = normal_blend_force,
     .stored = normal_blend_stored,
 };

@@ -74,28 +74,20 @@ static inline scree_status normal_hunt_crossley_bake(const struct scree_values *
     return SCREE_OK;
 }
 
-static inline struct scree_pair_constants hunt_pair(const struct scree_law_constants *law, double mass, double radius) {
-    (void)law;
-    (void)mass;
-    (void)radius;
-    return (struct scree_pair_constants){{0.0}};
-}
-
 static inline struct scree_normal_force normal_hunt_crossley_force(const struct scree_law_constants *law,
-                                                                   struct scree_pair_constants pair, double overlap,
-                                                                   double closing) {
+                                                                   struct scree_pair_constants pair,
+                                                                   struct scree_pressing at) {
     (void)pair;
-    (void)closing;
-    double touching = overlap > 0.0 ? overlap : 0.0;
+    double touching = at.overlap > 0.0 ? at.overlap : 0.0;
     double spring = law->c[HUNT_STIFFNESS] * scree_power(touching, law->c[HUNT_EXPONENT]);
-    return (struct scree_normal_force){spring, spring * law->c[HUNT_FACTOR], spring};
+    return (struct scree_normal_force){spring, spring * law->c[HUNT_FACTOR], spring, 0.0, 0.0};
 }
 
 static inline double normal_hunt_crossley_stored(const struct scree_law_constants *law,
-                                                 struct scree_pair_constants pair, double overlap) {
+                                                 struct scree_pair_constants pair, struct scree_pressing at) {
     (void)pair;
     double n = law->c[HUNT_EXPONENT];
-    return law->c[HUNT_STIFFNESS] * overlap * scree_power(overlap, n) / (n + 1.0);
+    return law->c[HUNT_STIFFNESS] * at.overlap * scree_power(at.overlap, n) / (n + 1.0);
 }
 
 /* Inverse of the relation above: w = c v_o solves w + ln(1 - w) = ln(1 + D) - D with 0 <= w < min(1, D). */
@@ -127,7 +119,7 @@ static const struct scree_normal_law scree_normal_hunt_crossley = {
              .parameters = hunt_parameters},
     .cut = 1,
     .bake = normal_hunt_crossley_bake,
-    .pair = hunt_pair,
+    .pair = scree_any_pair,
     .force = normal_hunt_crossley_force,
     .stored = normal_hunt_crossley_stored,
     .restitution = normal_hunt_crossley_restitution,

@@ -6,15 +6,13 @@
 
 #include "contact/normal_blend.h"
 
-static inline struct scree_normal_force normal_impact_force(const struct scree_law_constants *law,
-                                                            struct scree_pair_constants pair, double overlap,
-                                                            double closing) {
+static inline struct scree_normal_force
+normal_impact_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)pair;
-    (void)closing;
-    double touching = overlap > 0.0 ? overlap : 0.0;
+    double touching = at.overlap > 0.0 ? at.overlap : 0.0;
     double spring = law->c[BLEND_STIFFNESS] * scree_power(touching, law->c[BLEND_EXPONENT]);
-    double dashpot = law->c[BLEND_DAMPING] * scree_step(overlap / law->c[BLEND_FULL]);
-    return (struct scree_normal_force){spring, dashpot, spring};
+    double dashpot = law->c[BLEND_DAMPING] * scree_step(at.overlap / law->c[BLEND_FULL]);
+    return (struct scree_normal_force){spring, dashpot, spring, 0.0, 0.0};
 }
 
 static const struct scree_normal_law scree_normal_impact = {
@@ -27,7 +25,7 @@ static const struct scree_normal_law scree_normal_impact = {
              .parameters = blend_parameters},
     .cut = 1,
     .bake = normal_blend_bake,
-    .pair = blend_pair,
+    .pair = scree_any_pair,
     .force = normal_impact_force,
     .stored = normal_blend_stored,
 };

@@ -7,11 +7,10 @@
 #include "contact/linear.h"
 
 static inline struct scree_normal_force normal_linear_cut_force(const struct scree_law_constants *law,
-                                                                struct scree_pair_constants pair, double overlap,
-                                                                double closing) {
-    (void)closing;
-    double spring = law->c[LINEAR_STIFFNESS] * overlap;
-    return (struct scree_normal_force){spring, pair.c[LINEAR_DAMPING], spring};
+                                                                struct scree_pair_constants pair,
+                                                                struct scree_pressing at) {
+    double spring = law->c[LINEAR_STIFFNESS] * at.overlap;
+    return (struct scree_normal_force){spring, pair.c[LINEAR_DAMPING], spring, 0.0, 0.0};
 }
 
 static inline scree_status normal_linear_cut_bake(const struct scree_values *values, struct scree_law_constants *law,

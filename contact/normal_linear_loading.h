@@ -8,10 +8,10 @@
 #include "contact/linear.h"
 
 static inline struct scree_normal_force normal_linear_loading_force(const struct scree_law_constants *law,
-                                                                    struct scree_pair_constants pair, double overlap,
-                                                                    double closing) {
-    double spring = law->c[LINEAR_STIFFNESS] * overlap;
-    return (struct scree_normal_force){spring, closing > 0.0 ? pair.c[LINEAR_DAMPING] : 0.0, spring};
+                                                                    struct scree_pair_constants pair,
+                                                                    struct scree_pressing at) {
+    double spring = law->c[LINEAR_STIFFNESS] * at.overlap;
+    return (struct scree_normal_force){spring, at.closing > 0.0 ? pair.c[LINEAR_DAMPING] : 0.0, spring, 0.0, 0.0};
 }
 
 static inline scree_status normal_linear_loading_bake(const struct scree_values *values,

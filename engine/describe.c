@@ -30,7 +30,7 @@ static void describe_creep(const struct scree_friction_law *law, const struct sc
     double largest = 0.0;
     for (int k = 1; k <= 4000; k++) {
         struct scree_sliding at = {.normal = 1.0, .velocity = {k * 1e-3 / law->slope(constants), 0.0, 0.0}};
-        largest = fmax(largest, -law->force(constants, at).force.x);
+        largest = fmax(largest, -law->force(constants, (struct scree_pair_constants){{0.0}}, at).force.x);
     }
     fprintf(file,
             "    has no true rest: creeps at %.4g m/s under half and %.4g m/s under 0.9 of the largest "

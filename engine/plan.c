@@ -100,10 +100,10 @@ static struct species *sort_into_species(const struct scree_scene *scene) {
 static double deepest_overlap(const struct scree_normal_law *law, const struct scree_law_constants *constants,
                               struct scree_pair_constants pair, double mass, double speed) {
     double energy = 0.5 * mass * speed * speed, low = 0.0, high = 1e-9;
-    while (law->stored(constants, pair, high) < energy && high < 1e6) high *= 2.0;
+    while (law->stored(constants, pair, (struct scree_pressing){.overlap = high}) < energy && high < 1e6) high *= 2.0;
     for (int k = 0; k < 60; k++) {
         double middle = 0.5 * (low + high);
-        if (law->stored(constants, pair, middle) < energy)
+        if (law->stored(constants, pair, (struct scree_pressing){.overlap = middle}) < energy)
             low = middle;
         else
             high = middle;
@@ -128,8 +128,10 @@ static struct pair_rates rates_of(const struct scree_scene *scene, const struct 
     double radius = scree_effective_radius(bodies, i, j, balls ? SCREE_BALL_BALL : SCREE_BALL_PLANE);
     struct scree_pair_constants pair = law->pair(&rule->normal_constants, mass, radius);
     double overlap = deepest_overlap(law, &rule->normal_constants, pair, mass, speed);
-    struct scree_normal_force at = law->force(&rule->normal_constants, pair, overlap, speed);
-    struct scree_normal_force less = law->force(&rule->normal_constants, pair, 0.999 * overlap, speed);
+    struct scree_normal_force at =
+        law->force(&rule->normal_constants, pair, (struct scree_pressing){overlap, speed, 0.0, 0.0});
+    struct scree_normal_force less =
+        law->force(&rule->normal_constants, pair, (struct scree_pressing){0.999 * overlap, speed, 0.0, 0.0});
     double stiffness = (at.elastic - less.elastic) / (0.001 * overlap);
     struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0};
     if (rule->friction < 0) return rates;
@@ -137,7 +139,10 @@ static struct pair_rates rates_of(const struct scree_scene *scene, const struct 
     double tangential = softness(bodies, i, 1) + softness(bodies, j, 1);
     double gravity = vec_norm(vec_from(scene->gravity.vector));
     double weight = gravity * scree_effective_mass(bodies, i, j) / rule->share;
-    rates.stiffness = fmax(rates.stiffness, friction->stiffness(&rule->friction_constants) * tangential);
+    struct scree_pair_constants sideways = {{0.0}};
+    if (friction->pair) sideways = friction->pair(&rule->friction_constants, mass, radius);
+    double spring = friction->stiffness(&rule->friction_constants, sideways, overlap);
+    rates.stiffness = fmax(rates.stiffness, spring * tangential);
     rates.damping = fmax(rates.damping, friction->damping(&rule->friction_constants) * tangential);
     rates.friction_ramp = friction->slope(&rule->friction_constants) * weight * tangential;
     return rates;

@@ -76,6 +76,13 @@ scree_status scree_scene_add_material(scree_scene *scene, const scree_material_d
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "density",
                             "the density of material \"%s\" must be a positive number in kg/m^3, got %g", def->name,
                             def->density);
+    if (!(def->young >= 0.0))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "young",
+                            "Young's modulus of material \"%s\" must be positive (Pa), got %g", def->name, def->young);
+    if (!(def->poisson > -1.0 && def->poisson <= 0.5))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "poisson",
+                            "Poisson's ratio of material \"%s\" must be above -1 and at most 0.5, got %g", def->name,
+                            def->poisson);
     char *name = NULL;
     status = make_room(scene, (void **)&scene->material, scene->materials, &scene->material_capacity,
                        sizeof *scene->material);
@@ -127,8 +134,11 @@ scree_status scree_scene_add_contact(scree_scene *scene, const scree_contact_def
     scree_status status =
         make_room(scene, (void **)&scene->rule, scene->rules, &scene->rule_capacity, sizeof *scene->rule);
     if (status) return status;
+    const scree_material_def *one = &scene->material[a], *other = &scene->material[b];
+    struct scree_elastic elastic =
+        scree_elastic_of((double[]){one->young, other->young}, (double[]){one->poisson, other->poisson});
     scree_trouble cause;
-    status = scree_bake_rule(def, &scene->rule[scene->rules], &cause);
+    status = scree_bake_rule(def, &elastic, &scene->rule[scene->rules], &cause);
     if (status)
         return scree_report(&scene->trouble, status, cause.field, "contact between \"%s\" and \"%s\": %s", first,
                             second, cause.text);

@@ -58,10 +58,19 @@ static int find_named(struct scree_reader *r, const struct scree_toml *node, con
 /* ---- tables of the file ---- */
 
 static void read_material(struct scree_reader *r, const struct scree_toml *table) {
-    static const char *const keys[] = {"name", "density", NULL};
+    static const char *const keys[] = {"name", "density", "young", "poisson", "rigid", NULL};
     scree_check_keys(r, table, "[[material]]", keys);
     scree_material_def def = {.name = scree_read_string(r, table, "name"),
-                              .density = scree_read_number(r, table, "density", 0.0)};
+                              .density = scree_read_number(r, table, "density", 0.0),
+                              .young = scree_read_number(r, table, "young", 0.0),
+                              .poisson = scree_read_number(r, table, "poisson", 0.0)};
+    const struct scree_toml *young = scree_toml_get(table, "young");
+    if (scree_read_boolean(r, table, "rigid")) {
+        if (young) scree_complain(r, young, "a rigid material has no Young's modulus");
+        def.young = HUGE_VAL;
+    }
+    if (young && def.young == 0.0) scree_complain(r, young, "Young's modulus must be positive (Pa)");
+    if (young && !scree_toml_get(table, "poisson")) scree_complain(r, table, "Young's modulus needs poisson beside it");
     if (!r->status) check(r, scree_scene_add_material(into(r)->scene, &def, NULL), table);
 }
 

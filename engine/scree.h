@@ -25,6 +25,8 @@ typedef struct scree_scene scree_scene;
 typedef struct scree_material_def {
     const char *name; /* unique, not empty */
     double density;   /* kg/m^3; 0: bodies of this material need a mass of their own (or can't be moved by forces) */
+    double young;     /* Young's modulus, Pa, for laws that take it from the materials; HUGE_VAL: rigid; 0: unknown */
+    double poisson;   /* Poisson's ratio, -1 < nu <= 1/2 */
 } scree_material_def;
 
 typedef struct scree_gravity_def {

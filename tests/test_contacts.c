@@ -302,10 +302,13 @@ static struct vec impulse_by_hand(const scree_scene *scene, const struct scree_r
     if (rule->friction < 0) return j;
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     if (!friction->memory) return vec_axpy(j, h, touch.tangential);
-    /* The loop sees the stretch in the middle of the step. */
-    struct scree_sliding at = {.normal = fmax(touch.normal_force, 0.0), .velocity = touch.slip};
-    at.stretch = vec_scale(0.5 * h, touch.slip);
-    return vec_axpy(j, h, friction->force(&rule->friction_constants, at).force);
+    struct scree_sliding at = {.normal = fmax(touch.normal_force, 0.0), .overlap = touch.overlap, .half = 0.5 * h};
+    at.velocity = touch.slip;
+    struct scree_pair_constants pair = {{0.0}};
+    double mass = scree_effective_mass(&scene->bodies, touch.ball, touch.host) / rule->share;
+    double radius = scree_effective_radius(&scene->bodies, touch.ball, touch.host, SCREE_BALL_BALL);
+    if (friction->pair) pair = friction->pair(&rule->friction_constants, mass, radius);
+    return vec_axpy(j, h, friction->force(&rule->friction_constants, pair, at).force);
 }
 
 /* Pairs of spheres pressed into each other at random, in numbers that leave lanes of the last block empty. */

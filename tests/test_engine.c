@@ -143,7 +143,7 @@ static void test_restitution(void) {
     const struct scree_normal_law *law = scree_normal_laws[scree_find_normal_law("linear-loading")];
     scree_contact_def def = {.normal = {"linear-loading", 2, {{"stiffness", 1e5}, {"restitution", 0.5}}}};
     struct scree_rule rule;
-    CHECK(scree_bake_rule(&def, &rule, NULL) == SCREE_OK);
+    CHECK(scree_bake_rule(&def, NULL, &rule, NULL) == SCREE_OK);
     struct scree_pair_constants pair = law->pair(&rule.normal_constants, 0.03, 0.0);
     for (int n = 0; n < 2; n++) {
         double speed = n ? 1.0 : 0.1;

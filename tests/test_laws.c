@@ -4,6 +4,12 @@
 
 #include "tests/check.h"
 
+static struct scree_pressing press(double overlap, double closing) {
+    return (struct scree_pressing){overlap, closing, 0.0, 0.0};
+}
+
+static const struct scree_pair_constants no_pair = {{0.0}};
+
 static const double k = 1e5, m = 0.03; /* of the check values of the process model */
 
 /* A normal law for a pair of effective mass 0.03 kg and radius 0.01 m. */
@@ -17,7 +23,7 @@ static struct normal make_normal(scree_law_choice choice) {
     struct normal n = {0};
     scree_contact_def def = {.normal = choice};
     scree_trouble trouble = {0};
-    CHECK(scree_bake_rule(&def, &n.rule, &trouble) == SCREE_OK);
+    CHECK(scree_bake_rule(&def, NULL, &n.rule, &trouble) == SCREE_OK);
     if (trouble.text[0]) printf("  %s\n", trouble.text);
     n.law = scree_normal_laws[n.rule.normal];
     n.pair = n.law->pair(&n.rule.normal_constants, m, 0.01);
@@ -37,7 +43,7 @@ static struct scree_impact integrate(const struct normal *n, double speed) {
 }
 
 static double damping_of(const struct normal *n) {
-    return n->law->force(&n->rule.normal_constants, n->pair, 1e-5, 1.0).damping;
+    return n->law->force(&n->rule.normal_constants, n->pair, press(1e-5, 1.0)).damping;
 }
 
 /* Damping that gives the wanted restitution, all digits of the table in the process model's description. */
@@ -130,12 +136,12 @@ static void test_shared(void) {
     scree_contact_def def = {.normal = {"linear-loading", 2, {{"stiffness", k}, {"restitution", 0.5}}}, .shared_by = 4};
     struct scree_rule rule;
     scree_trouble trouble;
-    CHECK(scree_bake_rule(&def, &rule, &trouble) == SCREE_OK);
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_OK);
     const struct scree_normal_law *law = scree_normal_laws[rule.normal];
     struct scree_pair_constants pair = law->pair(&rule.normal_constants, m / rule.share, 0.01);
-    struct scree_normal_force quarter = law->force(&rule.normal_constants, pair, 1e-4, 1.0);
+    struct scree_normal_force quarter = law->force(&rule.normal_constants, pair, press(1e-4, 1.0));
     struct normal whole = linear_by("linear-loading", "restitution", 0.5);
-    struct scree_normal_force all = law->force(&whole.rule.normal_constants, whole.pair, 1e-4, 1.0);
+    struct scree_normal_force all = law->force(&whole.rule.normal_constants, whole.pair, press(1e-4, 1.0));
     CLOSE(4.0 * quarter.elastic, all.elastic, 1e-15);
     CLOSE(4.0 * quarter.damping, all.damping, 1e-15);
 }
@@ -153,7 +159,8 @@ static void test_unit_values(void) {
         const struct normal *laws[] = {&linear, &hunt, &hunt_1};
         static const char *const columns[] = {"linear", "hunt_crossley_n1.5", "hunt_crossley_n1"};
         for (int l = 0; l < 3; l++) {
-            struct scree_normal_force f = laws[l]->law->force(&laws[l]->rule.normal_constants, laws[l]->pair, d, v);
+            struct scree_normal_force f =
+                laws[l]->law->force(&laws[l]->rule.normal_constants, laws[l]->pair, press(d, v));
             /* The tables are rounded to 15 digits, and the linear row cancels. */
             double size = fabs(f.elastic) + fabs(f.damping * v);
             double expected = check_number(table, row, columns[l]);
@@ -178,12 +185,13 @@ static void test_energy(void) {
         const struct scree_law_constants *constants = &n.rule.normal_constants;
         double sum = 0.0, h = 1e-7;
         for (int step = 0; step < 3000; step++) {
-            struct scree_normal_force middle = n.law->force(constants, n.pair, (step + 0.5) * h, 0.3);
+            struct scree_normal_force middle = n.law->force(constants, n.pair, press((step + 0.5) * h, 0.3));
             sum += h * middle.reversible;
         }
-        CLOSE(n.law->stored(constants, n.pair, 3000 * h), sum, 1e-6); /* midpoint rule: (1/3000)^2, worse at d = 0 */
-        CHECK(n.law->stored(constants, n.pair, 0.0) == 0.0);
-        struct scree_normal_force touch = n.law->force(constants, n.pair, 0.0, 1.0);
+        CLOSE(n.law->stored(constants, n.pair, press(3000 * h, 0.0)), sum,
+              1e-6); /* midpoint rule: (1/3000)^2, worse at d = 0 */
+        CHECK(n.law->stored(constants, n.pair, press(0.0, 0.0)) == 0.0);
+        struct scree_normal_force touch = n.law->force(constants, n.pair, press(0.0, 1.0));
         CHECK(touch.elastic == 0.0 && touch.reversible == 0.0);
         if (c >= 3) CHECK(touch.damping == 0.0);
         struct scree_impact impact = integrate(&n, 1.0);
@@ -203,7 +211,7 @@ static struct scree_rule make_friction(scree_law_choice choice, const struct scr
     scree_contact_def def = {.normal = {"linear", 2, {{"stiffness", k}, {"damping", 0.0}}}, .friction = choice};
     struct scree_rule rule;
     scree_trouble trouble = {0};
-    CHECK(scree_bake_rule(&def, &rule, &trouble) == SCREE_OK);
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_OK);
     if (trouble.text[0]) printf("  %s\n", trouble.text);
     *law = scree_friction_laws[rule.friction];
     return rule;
@@ -213,7 +221,7 @@ static struct scree_rule make_friction(scree_law_choice choice, const struct scr
 static double coefficient(const struct scree_friction_law *law, const struct scree_rule *rule, double v) {
     struct vec along = vec(0.6, 0.0, -0.8);
     struct scree_sliding at = {.normal = 2.0, .velocity = vec_scale(v, along)};
-    struct vec force = law->force(&rule->friction_constants, at).force;
+    struct vec force = law->force(&rule->friction_constants, no_pair, at).force;
     NEAR(vec_norm(vec_cross(force, along)), 0.0, 1e-15);
     return -vec_dot(force, along) / 2.0;
 }
@@ -273,11 +281,11 @@ static void test_coulomb(void) {
     scree_law_choice choice = {"coulomb", 3, {{"static", 0.5}, {"kinetic", 0.3}, {"stiffness", 1e4}}};
     struct scree_rule rule = make_friction(choice, &law);
     struct scree_sliding at = {.normal = 10.0, .stretch = {3e-4, 4e-4, 0.0}}; /* |k s| = 5 N = mu_s N */
-    struct scree_tangential f = law->force(&rule.friction_constants, at);
+    struct scree_tangential f = law->force(&rule.friction_constants, no_pair, at);
     NEAR(f.force.x, -3.0, 1e-15);
     CHECK(f.sliding == 0.0 && f.stretch.x == 3e-4);
     at.stretch.z = 1e-6; /* a little more: slides at mu_k, and the spring is left at what carries that */
-    f = law->force(&rule.friction_constants, at);
+    f = law->force(&rule.friction_constants, no_pair, at);
     CLOSE(vec_norm(f.force), 3.0, 1e-15);
     CHECK(f.sliding == 1.0);
     CLOSE(vec_norm(f.stretch) * 1e4, 3.0, 1e-15);
@@ -285,11 +293,11 @@ static void test_coulomb(void) {
     at.sliding = 1.0;
     at.half = 1e-6;
     at.velocity = vec(1e-3, 0.0, 0.0);
-    CHECK(law->force(&rule.friction_constants, at).sliding == 1.0);
+    CHECK(law->force(&rule.friction_constants, no_pair, at).sliding == 1.0);
     at.velocity = vec(-1e-3, 0.0, 0.0);
-    CHECK(law->force(&rule.friction_constants, at).sliding == 0.0);
+    CHECK(law->force(&rule.friction_constants, no_pair, at).sliding == 0.0);
     at.normal = 0.0; /* no load, no force, no stretch */
-    f = law->force(&rule.friction_constants, at);
+    f = law->force(&rule.friction_constants, no_pair, at);
     CHECK(vec_norm(f.force) == 0.0 && vec_norm(f.stretch) == 0.0);
     CHECK(scree_creep_speed(law, &rule.friction_constants, 0.1) == 0.0);
 }
@@ -309,12 +317,13 @@ static void test_coulomb_takes_energy(void) {
         at.velocity = vec(check_between(&seed, -1.0, 1.0), check_between(&seed, -1.0, 1.0), 0.0);
         at.stretch = vec(check_between(&seed, -5e-4, 5e-4), check_between(&seed, -5e-4, 5e-4), 0.0);
         at.sliding = trial % 3 == 0;
-        struct scree_tangential f = law->force(&rule.friction_constants, at);
+        struct scree_tangential f = law->force(&rule.friction_constants, no_pair, at);
         if (vec_dot(f.force, at.velocity) > 0.0) continue;
         slid += f.sliding > 0.0;
         double work = -2.0 * at.half * vec_dot(f.force, at.velocity);
-        double stored =
-            law->stored(&rule.friction_constants, f.stretch) - law->stored(&rule.friction_constants, at.stretch);
+        double before = law->stored(&rule.friction_constants, no_pair, at);
+        at.stretch = f.stretch;
+        double stored = law->stored(&rule.friction_constants, no_pair, at) - before;
         CHECK(work - stored >= -1e-16); /* rounding of 1e-3 J */
     }
     CHECK(slid > 500);
@@ -326,7 +335,7 @@ static void refuse(scree_law_choice normal, scree_law_choice friction, const cha
     scree_contact_def def = {.normal = normal, .friction = friction};
     struct scree_rule rule;
     scree_trouble trouble = {0};
-    CHECK(scree_bake_rule(&def, &rule, &trouble) == SCREE_BAD_INPUT);
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_BAD_INPUT);
     CONTAINS(trouble.text, part);
     CHECK(strcmp(trouble.field, field) == 0);
 }

@@ -55,7 +55,7 @@ static void write_choice(const scree_law_choice *choice, char *text, size_t size
 static void expect(int law, struct meeting *meeting) {
     scree_contact_def def = {.normal = laws[law].choice};
     struct scree_rule rule;
-    meeting->status = scree_bake_rule(&def, &rule, &meeting->trouble);
+    meeting->status = scree_bake_rule(&def, NULL, &rule, &meeting->trouble);
     if (meeting->status) return;
     const struct scree_normal_law *normal = scree_normal_laws[rule.normal];
     struct scree_pair_constants pair = normal->pair(&rule.normal_constants, mass, 0.0);
