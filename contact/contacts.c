@@ -27,6 +27,19 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
     return SCREE_OK;
 }
 
+static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
+    size_t places = 16;
+    while (places < 2 * bodies) places *= 2;
+    contacts->last_place = places - 1;
+    contacts->level = malloc(bodies + 1);
+    contacts->key = malloc((bodies + 1) * sizeof *contacts->key);
+    contacts->next = malloc((bodies + 1) * sizeof *contacts->next);
+    contacts->place = malloc(places * sizeof *contacts->place);
+    contacts->start = malloc((bodies + 2) * sizeof *contacts->start);
+    int ok = contacts->level && contacts->key && contacts->next && contacts->place && contacts->start;
+    return ok ? SCREE_OK : SCREE_NO_MEMORY;
+}
+
 scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
                                    const struct scree_rule *rules, int rule_count, scree_trouble *trouble) {
     *contacts = (struct scree_contacts){.materials = materials,
@@ -38,12 +51,11 @@ scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, 
     size_t cells = (size_t)materials * (size_t)materials;
     contacts->rule = malloc(((size_t)rule_count + 1) * sizeof *contacts->rule);
     contacts->rule_of = malloc((cells + 1) * sizeof *contacts->rule_of);
-    contacts->order = malloc(((size_t)bodies + 1) * sizeof *contacts->order);
-    if (!contacts->rule || !contacts->rule_of || !contacts->order || make_batches(contacts, rules)) {
+    if (!contacts->rule || !contacts->rule_of || make_cells(contacts, (size_t)bodies) ||
+        make_batches(contacts, rules)) {
         scree_contacts_destroy(contacts);
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contact rules", rule_count);
     }
-    for (int k = 0; k < bodies; k++) contacts->order[k] = k;
     for (size_t k = 0; k < cells; k++) contacts->rule_of[k] = -1;
     for (int k = 0; k < rule_count; k++) {
         int a = rules[k].material[0], b = rules[k].material[1];
@@ -68,7 +80,12 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     free(contacts->batch_of);
     free(contacts->busy);
     free(contacts->pair);
-    free(contacts->order);
+    free(contacts->sorted);
+    free(contacts->level);
+    free(contacts->key);
+    free(contacts->next);
+    free(contacts->place);
+    free(contacts->start);
     *contacts = (struct scree_contacts){0};
 }
 

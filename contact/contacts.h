@@ -14,6 +14,8 @@
 #include "bodies/bodies.h"
 #include "contact/catalogue.h"
 
+#include <stdint.h>
+
 enum { SCREE_LANES = 16 }; /* contacts in a block: their work columns stay in the L1 cache */
 
 /* Columns of pair constants: those of the normal law, then two of the friction law. */
@@ -73,9 +75,14 @@ struct scree_contacts {
     int busy_batches;
 
     int pairs, pair_capacity;
-    struct scree_body_pair *pair;
-    int *order;  /* bodies in order of their lower x bound, for the sweep */
-    double skin; /* contacts with a gap up to this are listed, m */
+    struct scree_body_pair *pair, *sorted;
+    /* Cells of the broad phase (candidates.c): per body its grid, its cell's key and the next body of the chain; the first body
+     * of each chain; scratch for sorting. */
+    unsigned char *level;
+    uint64_t *key;
+    int *next, *place, *start;
+    size_t last_place; /* number of places, a power of two, less one */
+    double skin;       /* contacts with a gap up to this are listed, m */
     long rebuilds;
 
     int measured;           /* sum up dissipation */

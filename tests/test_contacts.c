@@ -212,6 +212,50 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
     return touching;
 }
 
+/* Candidate pairs of scattered bodies of sizes up to 1000:1, against all pairs: none missed, none twice. */
+static void check_candidates(double ratio, double spread, int count) {
+    size_t size = 4096 + (size_t)count * 200;
+    char *text = malloc(size);
+    int used =
+        snprintf(text, size,
+                 "[time]\nend = 1.0\nstep = 1e-5\nforce = true\n[[material]]\nname = \"m\"\ndensity = 1000\n"
+                 "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1.0, damping = 0 }\n"
+                 "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+                 "position = [0, 0, -1e6]\n");
+    uint64_t seed = 17;
+    for (int k = 0; k < count; k++)
+        used += snprintf(text + used, size - (size_t)used,
+                         "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = %.17g }\n"
+                         "position = [%.17g, %.17g, %.17g]\n",
+                         k, 1e-3 * pow(ratio, pow(check_random(&seed), 3.0)), 1e3 * k,
+                         check_between(&seed, -spread, spread), check_between(&seed, -spread, spread));
+    scree_scene *scene = scene_from(text, NULL, 0, 0);
+    struct scree_contacts *contacts = &scene->contacts;
+    struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 1; k <= count; k++) /* placed without overlaps; now as thick as it comes */
+        bodies->record[k].x[0] = check_between(&seed, -spread, spread);
+    CHECK(scree_candidates(contacts, bodies, NULL) == SCREE_OK);
+    int found = 0, wrong = 0;
+    for (int i = 0; i <= count; i++)
+        for (int j = i + 1; j <= count; j++) {
+            const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
+            double far = vec_norm(vec_sub(vec_from(a->x), vec_from(b->x)));
+            if (i > 0 && far > a->bound + b->bound + contacts->skin) continue;
+            wrong += found >= contacts->pairs || contacts->pair[found].i != i || contacts->pair[found].j != j;
+            found++;
+        }
+    CHECK(wrong == 0 && found == contacts->pairs);
+    scree_scene_destroy(scene);
+    free(text);
+}
+
+static void test_candidates(void) {
+    check_candidates(1.0, 0.02, 400);
+    check_candidates(100.0, 0.2, 400);
+    check_candidates(1000.0, 1.0, 400);
+    check_candidates(10.0, 1e-5, 60); /* all in one cell */
+}
+
 static void test_lists(void) {
     char *text = crowd_text(48);
     scree_scene *scene = scene_from(text, NULL, 0, 0);
@@ -398,6 +442,7 @@ int main(void) {
     test_flat_partners();
     test_corners();
     test_boxes_depth();
+    test_candidates();
     test_lists();
     test_momentum();
     test_loop_equals_laws();
