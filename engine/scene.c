@@ -18,6 +18,7 @@ void scree_scene_destroy(scree_scene *scene) {
     free(scene->motion_name);
     free(scene->rule);
     free(scene->def);
+    scree_names_free(&scene->names);
     scree_bodies_free_shadow(&scene->shadow);
     scree_bodies_destroy(&scene->bodies);
     scree_contacts_destroy(&scene->contacts);
@@ -63,11 +64,7 @@ int scree_scene_find_motion(const scree_scene *scene, const char *name) {
     return -1;
 }
 
-int scree_scene_find_body(const scree_scene *scene, const char *name) {
-    for (int k = 0; name && k < scene->defs; k++)
-        if (strcmp(scene->def[k].name, name) == 0) return k;
-    return -1;
-}
+int scree_scene_find_body(const scree_scene *scene, const char *name) { return scree_names_find(&scene->names, name); }
 
 scree_status scree_scene_add_material(scree_scene *scene, const scree_material_def *def, int *index) {
     scree_status status = check_new(scene, "material", def->name, scree_scene_find_material(scene, def->name));
@@ -272,6 +269,10 @@ scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def,
     if (!status) status = make_room(scene, (void **)&scene->def, scene->defs, &scene->def_capacity, sizeof *scene->def);
     char *name = NULL;
     if (!status) status = copy_name(scene, def->name, &name);
+    if (!status && scree_names_add(&scene->names, name, scene->defs)) {
+        free(name);
+        status = scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for a name");
+    }
     if (status) return status;
     scene->def[scene->defs] = *def;
     scene->def[scene->defs].name = name;

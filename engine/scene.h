@@ -3,6 +3,7 @@
 #define SCREE_ENGINE_SCENE_H
 
 #include "contact/contacts.h"
+#include "engine/names.h"
 #include "engine/scree.h"
 
 /* How the step was chosen, and what limits it. */
@@ -39,6 +40,7 @@ struct scree_scene {
     char **motion_name;
     struct scree_rule *rule;
     scree_body_def *def;
+    struct scree_names names; /* of the bodies */
     scree_gravity_def gravity;
     scree_time_def time;
 
