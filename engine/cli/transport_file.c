@@ -83,7 +83,6 @@ static void load_model(struct scree_reader *r, const struct scree_toml *node, st
         r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
     else if (process_load(&f->process, path, &f->task, &cause))
         scree_complain(r, node, "%s", cause.text);
-    f->process.name = node->string;
     free(folder);
     free(path);
 }
@@ -129,6 +128,8 @@ static void read_model(struct scree_reader *r, struct transport_file *f) {
     if (!(p->start >= 0.0 && p->start < scree_transport_play(&f->task)))
         scree_complain(r, scree_toml_get(table, "start"), "start must be from 0 to below the play of %g m, got %g",
                        scree_transport_play(&f->task), p->start);
+    scree_trouble cause = {0};
+    if (!r->status && process_check(p, &cause)) scree_complain(r, table, "the process model can't run: %s", cause.text);
 }
 
 /* speeds = [300, 500] or { from, to, count } */
@@ -248,7 +249,6 @@ scree_status transport_file_read(const char *path, const char *const *assignment
     for (int k = 0; k < count && !r.status; k++) r.status = scree_toml_set(&document, assignments[k], trouble);
     r.root = document.root;
     if (!r.status) read_root(&r);
-    transport->process.name = path;
     scree_toml_free(&document);
     scree_leave_c_locale(locale);
     free(text);
