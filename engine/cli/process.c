@@ -348,7 +348,10 @@ static void note(struct process_run *run, const struct process_sample *s, struct
 static double time_to_rest(const struct process *p, const struct scree_profile *profile) {
     struct scree_extrema extrema = scree_profile_extrema(profile);
     double fastest = 2.0 * fmax(extrema.largest.v, -extrema.least.v);
-    return 2.0 + fastest / (p->kinetic_friction * p->gravity);
+    /* The creep at the end decays from the threshold to 1e-9 m/s like exp(-mu_s g t/threshold): in 30 time constants if the
+     * threshold is below 1e4 m/s. */
+    double creep = 30.0 * p->threshold / (p->static_friction * p->gravity);
+    return 2.0 + creep + fastest / (p->kinetic_friction * p->gravity);
 }
 
 /* Step until the comb has arrived and the product rests. */

@@ -218,6 +218,16 @@ static void read_servo(struct scree_reader *r, struct transport_file *f) {
     f->rate = read_positive(r, table, "rate", 1000.0);
     f->angle = scree_read_boolean(r, table, "angle");
     f->lift = scree_read_number(r, table, "lift", 0.0);
+    double slowest = HUGE_VAL, most = 1e7;
+    for (int k = 0; k < f->speeds; k++) slowest = fmin(slowest, f->speed[k]);
+    double rows = f->rate * 60.0 * (f->lift != 0.0 ? 1.0 : f->task.share) / slowest;
+    if (!(rows <= most))
+        scree_complain(r, scree_toml_nearest(table, "rate"),
+                       "at %g rows a second a table for %g cycles/min has %g rows; the most is %g", f->rate, slowest,
+                       rows, most);
+    if (f->lift != 0.0 && f->task.share >= 1.0)
+        scree_complain(r, scree_toml_get(table, "lift"),
+                       "transport takes the whole cycle (share = %g): no time for the return stroke", f->task.share);
 }
 
 static void read_root(struct scree_reader *r) {
