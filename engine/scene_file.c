@@ -148,16 +148,31 @@ static void complain_in_table(struct scree_reader *r, const char *path, int line
     va_end(arguments);
 }
 
+/* Columns of the comb's lift in a servo table (solver/table.h), which `axis = "lift"` chooses. */
+static const char lift_prefix[] = "lift_";
+
+/* Tables of two axes: of the lift's columns those for `lift` count, or those for the stroke; the time is for both. The name without
+ * the prefix; NULL if the column is the other axis's. */
+static const char *motion_column(const char *name, int lift) {
+    size_t length = strlen(lift_prefix);
+    int lifts = strncmp(name, lift_prefix, length) == 0,
+        both = strcmp(name, "time") == 0 || strcmp(name, "time_s") == 0;
+    if (lifts) return lift ? name + length : NULL;
+    return lift && !both ? NULL : name;
+}
+
 /* A column that would be taken for something else, or passed over, is refused: "time_ms", "velocty", a second time. */
-static void check_motion_columns(struct scree_reader *r, const char *path, const struct scree_table *table) {
+static void check_motion_columns(struct scree_reader *r, const char *path, const struct scree_table *table, int lift) {
     int seen[MOTION_COLUMNS] = {0};
     for (int k = 0; k < table->columns && !r->status; k++) {
         const char *all[4 * MOTION_COLUMNS] = {0};
         int found = -1, count = 0;
+        const char *name = motion_column(table->name[k], lift);
+        if (!name) continue;
         for (int m = 0; m < MOTION_COLUMNS; m++)
             for (int n = 0; motion_columns[m].names[n]; n++) {
                 all[count++] = motion_columns[m].names[n];
-                if (strcmp(table->name[k], motion_columns[m].names[n]) == 0) found = m;
+                if (strcmp(name, motion_columns[m].names[n]) == 0) found = m;
             }
         if (found < 0)
             complain_in_table(
@@ -181,7 +196,8 @@ static void check_motion_columns(struct scree_reader *r, const char *path, const
         complain_in_table(r, path, 0, 0, "a motion needs at least 2 rows of numbers, this table has %zu", table->rows);
 }
 
-static void read_table_file(struct scree_reader *r, const struct scree_toml *node, struct scree_table *table) {
+static void read_table_file(struct scree_reader *r, const struct scree_toml *node, int lift,
+                            struct scree_table *table) {
     if (!node->string[0] || strcmp(node->string, "-") == 0) {
         scree_complain(r, node, "file must name a table (standard input can't be one)");
         return;
@@ -192,7 +208,7 @@ static void read_table_file(struct scree_reader *r, const struct scree_toml *nod
     if (!path) r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
     if (path && !text) r->status = r->trouble->status;
     if (text) r->status = scree_table_parse(text, size, path, "time", table, r->trouble);
-    if (!r->status) check_motion_columns(r, path, table);
+    if (!r->status) check_motion_columns(r, path, table, lift);
     free(text);
     free(path);
 }
@@ -238,17 +254,22 @@ static void read_motion_table(struct scree_reader *r, const struct scree_toml *t
         return;
     }
     if (file && !scree_read_string(r, table, "file")) return;
+    static const char *const axes[] = {"stroke", "lift", NULL};
+    const struct scree_toml *axis = scree_toml_get(table, "axis");
+    int lift = axis ? scree_choose(r, axis, "axis", axes) : 0;
+    if (axis && !file) scree_complain(r, axis, "axis chooses columns of a file; rows have one axis");
+    if (r->status) return;
     if (file)
-        read_table_file(r, file, columns);
+        read_table_file(r, file, lift, columns);
     else
         read_rows(r, rows, columns);
     if (r->status) return;
     def->rows = columns->rows;
     def->times = scree_table_column(columns, "time");
-    def->positions = scree_table_column(columns, "position");
-    def->velocities = scree_table_column(columns, "velocity");
-    def->accelerations = scree_table_column(columns, "acceleration");
-    def->jerks = scree_table_column(columns, "jerk");
+    def->positions = scree_table_column(columns, lift ? "lift_position" : "position");
+    def->velocities = scree_table_column(columns, lift ? "lift_velocity" : "velocity");
+    def->accelerations = scree_table_column(columns, lift ? "lift_acceleration" : "acceleration");
+    def->jerks = scree_table_column(columns, lift ? "lift_jerk" : "jerk");
     def->table = def->jerks           ? SCREE_TABLE_VELOCITY_QUINTIC
                  : def->accelerations ? SCREE_TABLE_QUINTIC
                  : def->velocities    ? SCREE_TABLE_CUBIC
@@ -264,7 +285,7 @@ static const struct {
     {"velocity", "velocity", {"name", "kind", "offset", "start", "duration", "velocity"}},
     {"rise", "stroke", {"name", "kind", "offset", "start", "duration", "stroke", "law"}},
     {"sine", "amplitude", {"name", "kind", "offset", "start", "duration", "amplitude", "frequency", "phase"}},
-    {"table", NULL, {"name", "kind", "rows", "file", "interpolation"}}};
+    {"table", NULL, {"name", "kind", "rows", "file", "axis", "interpolation"}}};
 
 /* The kind of a motion; its keys are checked: one of another kind would be without effect. */
 static scree_motion_kind read_motion_kind(struct scree_reader *r, const struct scree_toml *table) {

@@ -22,58 +22,56 @@ static double cost_of(const struct search *search, const double f[3], scree_plan
                                             : scree_extrema_acceleration(&plan->extrema);
 }
 
+/* A corner of the simplex: time shares and what they cost. */
+struct corner {
+    double f[3], cost;
+};
+
 struct simplex {
-    double point[4][3], cost[4];
+    struct corner corner[4];
 };
 
 /* The best first. */
 static void order(struct simplex *s) {
     for (int i = 1; i < 4; i++)
-        for (int k = i; k > 0 && s->cost[k] < s->cost[k - 1]; k--) {
-            double cost = s->cost[k], point[3];
-            s->cost[k] = s->cost[k - 1];
-            s->cost[k - 1] = cost;
-            memcpy(point, s->point[k], sizeof point);
-            memcpy(s->point[k], s->point[k - 1], sizeof point);
-            memcpy(s->point[k - 1], point, sizeof point);
+        for (int k = i; k > 0 && s->corner[k].cost < s->corner[k - 1].cost; k--) {
+            struct corner better = s->corner[k];
+            s->corner[k] = s->corner[k - 1];
+            s->corner[k - 1] = better;
         }
 }
 
-/* centre + factor (centre - worst), and its cost */
-static double mirror(const struct search *search, const struct simplex *s, double factor, double to[3],
-                     scree_plan *plan) {
+/* centre + factor (centre - worst) */
+static struct corner mirror(const struct search *search, const struct simplex *s, double factor, scree_plan *plan) {
+    struct corner to;
     for (int k = 0; k < 3; k++) {
-        double centre = (s->point[0][k] + s->point[1][k] + s->point[2][k]) / 3.0;
-        to[k] = centre + factor * (centre - s->point[3][k]);
+        double centre = (s->corner[0].f[k] + s->corner[1].f[k] + s->corner[2].f[k]) / 3.0;
+        to.f[k] = centre + factor * (centre - s->corner[3].f[k]);
     }
-    return cost_of(search, to, plan);
+    to.cost = cost_of(search, to.f, plan);
+    return to;
 }
 
-static void replace_worst(struct simplex *s, const double point[3], double cost) {
-    memcpy(s->point[3], point, sizeof s->point[3]);
-    s->cost[3] = cost;
-}
-
-/* Draw all points halfway to the best one. */
+/* Draw all corners halfway to the best one. */
 static void shrink(const struct search *search, struct simplex *s, scree_plan *plan) {
     for (int p = 1; p < 4; p++) {
-        for (int k = 0; k < 3; k++) s->point[p][k] = 0.5 * (s->point[0][k] + s->point[p][k]);
-        s->cost[p] = cost_of(search, s->point[p], plan);
+        for (int k = 0; k < 3; k++) s->corner[p].f[k] = 0.5 * (s->corner[0].f[k] + s->corner[p].f[k]);
+        s->corner[p].cost = cost_of(search, s->corner[p].f, plan);
     }
 }
 
 /* One step of Nelder & Mead's search (Computer Journal 7 (1965) 308) on an ordered simplex. */
 static void improve(const struct search *search, struct simplex *s, scree_plan *plan) {
-    double trial[3], other[3], mirrored = mirror(search, s, 1.0, trial, plan);
-    if (mirrored < s->cost[0]) {
-        double expanded = mirror(search, s, 2.0, other, plan);
-        replace_worst(s, expanded < mirrored ? other : trial, fmin(expanded, mirrored));
-    } else if (mirrored < s->cost[2]) {
-        replace_worst(s, trial, mirrored);
+    struct corner *worst = &s->corner[3], mirrored = mirror(search, s, 1.0, plan);
+    if (mirrored.cost < s->corner[0].cost) {
+        struct corner expanded = mirror(search, s, 2.0, plan);
+        *worst = expanded.cost < mirrored.cost ? expanded : mirrored;
+    } else if (mirrored.cost < s->corner[2].cost) {
+        *worst = mirrored;
     } else {
-        double contracted = mirror(search, s, mirrored < s->cost[3] ? 0.5 : -0.5, other, plan);
-        if (contracted < fmin(mirrored, s->cost[3]))
-            replace_worst(s, other, contracted);
+        struct corner contracted = mirror(search, s, mirrored.cost < worst->cost ? 0.5 : -0.5, plan);
+        if (contracted.cost < fmin(mirrored.cost, worst->cost))
+            *worst = contracted;
         else
             shrink(search, s, plan);
     }
@@ -83,17 +81,21 @@ void scree_plan_shares(scree_transport *transport, double cycles, const scree_pl
                        enum scree_shares_rule rule, scree_plan_cost *cost, void *context, scree_plan *plan) {
     struct search search = {transport, options, rule, cost, context, cycles};
     struct simplex simplex;
+    double start[3];
+    memcpy(start, transport->fractions, sizeof start);
     for (int p = 0; p < 4; p++) {
-        memcpy(simplex.point[p], transport->fractions, sizeof simplex.point[p]);
-        if (p > 0) simplex.point[p][p - 1] += 0.03;
-        simplex.cost[p] = cost_of(&search, simplex.point[p], plan);
+        struct corner *corner = &simplex.corner[p];
+        memcpy(corner->f, start, sizeof corner->f);
+        if (p > 0) corner->f[p - 1] += 0.03;
+        corner->cost = cost_of(&search, corner->f, plan);
     }
     int most = cost ? 80 : 600; /* a simulation costs more than a formula */
     for (int step = 0; step < most; step++) {
         order(&simplex);
-        if (simplex.cost[3] < HUGE_VAL && simplex.cost[3] - simplex.cost[0] <= 1e-10 * simplex.cost[0]) break;
+        double best = simplex.corner[0].cost, worst = simplex.corner[3].cost;
+        if (worst < HUGE_VAL && worst - best <= 1e-10 * best) break;
         improve(&search, &simplex, plan);
     }
     order(&simplex);
-    cost_of(&search, simplex.point[0], plan);
+    cost_of(&search, simplex.corner[0].f, plan);
 }

@@ -81,13 +81,17 @@ static const char *first_column(const scree_table_options *options) {
 int scree_table_write(FILE *file, const struct scree_profile *profile, const scree_table_options *options) {
     struct writer w = {file, {profile, NULL}, 1, options};
     if (profile->count == 0) return 1;
-    if (fprintf(file, "%s,x_m,v_m_s,a_m_s2,j_m_s3\n", first_column(options)) < 0) return 1;
+    if (fprintf(file, "%s,position_m,velocity_m_s,acceleration_m_s2,jerk_m_s3\n", first_column(options)) < 0) return 1;
     return write_rows(&w);
 }
 
 int scree_table_write_cycle(FILE *file, const scree_cycle *cycle, const scree_table_options *options) {
     struct writer w = {file, {&cycle->x, &cycle->z}, 2, options};
     if (cycle->x.count == 0) return 1;
-    if (fprintf(file, "%s,x_m,v_m_s,a_m_s2,j_m_s3,z_m,vz_m_s,az_m_s2,jz_m_s3\n", first_column(options)) < 0) return 1;
+    if (fprintf(file,
+                "%s,position_m,velocity_m_s,acceleration_m_s2,jerk_m_s3,lift_position_m,lift_velocity_m_s,"
+                "lift_acceleration_m_s2,lift_jerk_m_s3\n",
+                first_column(options)) < 0)
+        return 1;
     return write_rows(&w);
 }

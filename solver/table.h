@@ -15,7 +15,7 @@ typedef struct scree_table_options {
                        rise strictly */
 } scree_table_options;
 
-/* Columns time_s (or angle_deg), x_m, v_m_s, a_m_s2, j_m_s3; numbers with 17 digits, which read back as the same bits (in the
+/* Columns time_s (or angle_deg), position_m, velocity_m_s, acceleration_m_s2, jerk_m_s3, as motion tables of scenes have them; numbers with 17 digits, which read back as the same bits (in the
  * locale of the thread: "C" unless the program sets another); first row at
  * the profile's start, last one exactly at its end.
  *
@@ -24,7 +24,8 @@ typedef struct scree_table_options {
  * with `both_sides`. Returns 0, or 1 if the rate makes no sense or writing failed (errno). */
 int scree_table_write(FILE *file, const struct scree_profile *profile, const scree_table_options *options);
 
-/* The same for both coordinates of a cycle: columns z_m, vz_m_s, az_m_s2, jz_m_s3 follow. */
+/* The same for both coordinates of a cycle: columns lift_position_m, lift_velocity_m_s, lift_acceleration_m_s2, lift_jerk_m_s3
+ * follow. */
 int scree_table_write_cycle(FILE *file, const scree_cycle *cycle, const scree_table_options *options);
 
 #endif

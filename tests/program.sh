@@ -64,7 +64,7 @@ if command -v gnuplot >/dev/null; then
     expect 'plot of the README is drawn' grep -q '</svg>' "$work/readme/bounce/height.svg"
 fi
 # Whatever runs of the tree's scenes leave in the tree is ignored there.
-for scene in "$scenes"/*.toml; do
+for scene in "$scenes"/*.toml "$root"/data/transport/*.toml; do
     expect "the folder of $scene is ignored" grep -q "^/$(basename "$scene" .toml)/" "$root/.gitignore"
 done
 
@@ -235,6 +235,85 @@ bad_plan 'speeds as a word' 'needs speeds = ' 'plan.speeds="fast"'
 bad_plan 'static below kinetic' 'must not be below kinetic' model.static=0.1
 bad_plan 'no such formulation' 'formulation must be one of "A", "B", "C"' 'plan.formulation="D"'
 check 'beyond the drive' 1 'the drive gives 1000' plan "$transport/bars.toml" --set 'plan.speeds=[1200]' --set map.to=310 --set curves.count=2
+# What an earlier plan left: replaced as a whole, or not at all; what isn't ours stays.
+out=$work/replaced
+replan() { env PATH=/nonexistent "$scree" plan "$transport/rigid.toml" -o "$out" "$@"; }
+check 'two speeds of six equal digits' 0 'written to' replan --set 'plan.speeds=[300, 333.333331, 333.333332, 300]' --set 'map={from=300, to=310}'
+for file in servo_300.csv servo_333.333331.csv servo_333.333332.csv map.csv map.gp; do expect "$file" test -s "$out/$file"; done
+echo mine >"$out/servo_notes.csv"
+sums_of() { (cd "$out" && cksum *); }
+before=$(sums_of)
+check 'a table without end' 2 'rows' replan --set servo.rate=1e300
+expect 'nothing of the earlier plan is lost' test "$before" = "$(sums_of)"
+mkdir "$out/servo_400.csv.part"
+check 'a table that can not be written' 2 'servo_400.csv' replan --set 'plan.speeds=[300, 400]'
+rmdir "$out/servo_400.csv.part"
+expect 'nothing of the earlier plan is lost' test "$before" = "$(sums_of)"
+check 'fewer speeds' 0 'removed from' replan --set 'plan.speeds=[300]'
+expect 'only files of this plan and others' test "$(cd "$out" && echo *)" = 'plan.csv servo_300.csv servo_notes.csv'
+check 'no time shares' 1 'no time shares found' env PATH=/nonexistent "$scree" plan "$transport/rigid.toml" -o "$work/unmade" \
+    --set transport.gap=0.06
+nothing_left "$work/unmade"
+check 'lift without a return' 2 'no time for the return' replan --set transport.share=1
+
+# A servo table is a motion table.
+sed -n '/^\[transport\]/,/^optimise/p' "$transport/rigid.toml" | sed '/^optimise/d' >"$work/feed.toml"
+printf '[plan]\nspeeds = [500]\n[servo]\nrate = 700\nlift = 0.02\n' >>"$work/feed.toml"
+cat >"$work/fed.toml" <<'END'
+gravity = [0, 0, 0]
+[time]
+end = 0.12
+step = 1e-5
+[[material]]
+name = "m"
+[[motion]]
+name = "stroke"
+kind = "table"
+file = "fed/servo_500.csv"
+[[body]]
+name = "comb"
+material = "m"
+mass = 1
+shape = { sphere = 0.01 }
+joint = { x = "stroke", others = "fixed" }
+[output]
+every = 0.03
+END
+# fed NAME TIME COLUMN VALUE OPTIONS…: where the comb is at a time, to 1e-12 m.
+fed() {
+    name=$1 time=$2 column=$3 value=$4
+    shift 4
+    check "$name" 0 '' "$scree" run "$work/fed.toml" -o "$work/fed" --quiet "$@"
+    expect "$name" awk -F, -v t="$time" -v c="$column" -v x="$value" \
+        '$1 - t < 1e-9 && t - $1 < 1e-9 { found = $c - x < 1e-12 && x - $c < 1e-12 } END { exit !found }' "$work/fed/bodies.csv"
+}
+check 'a table of the stroke' 0 'written to' "$scree" plan "$work/feed.toml" -o "$work/fed" --set 'servo={rate=700}'
+fed 'end of the stroke' 0.06 3 0.06
+fed 'the slowest' 0.03 10 "$(sed -n 2p "$work/fed/plan.csv" | cut -d, -f8)" --set 'motion.stroke.interpolation="velocity-quintic"'
+check 'a table of the cycle' 0 'written to' "$scree" plan "$work/feed.toml" -o "$work/fed"
+fed 'end of the stroke in a cycle' 0.06 3 0.06 --set 'motion.stroke.interpolation="quintic"'
+fed 'the lift' 0.09 3 0.02 --set 'motion.stroke={name="stroke", kind="table", file="fed/servo_500.csv", axis="lift", interpolation="quintic"}'
+check 'no such axis' 2 'did you mean "lift"' "$scree" check "$work/fed.toml" --set 'motion.stroke.axis="lfit"'
+check 'axis of rows' 2 'rows have one axis' "$scree" check "$work/fed.toml" \
+    --set 'motion.stroke={name="stroke", kind="table", rows=[[0, 0], [1, 1]], axis="lift"}'
+
+# Limits in words.
+check 'play beyond a third of the way' 1 'there is no plan for a rigid product at any speed: the comb would move backwards' replan \
+    --set 'transport={distance=0.08, gap=0.06, width=0.03, friction=0.3}'
+check 'little play' 0 'from n_low = 762.' replan --set 'transport={distance=0.08, gap=0.0301, width=0.03, friction=0.3}' \
+    --set 'plan.speeds=[800]'
+check 'a weak drive' 1 'it can'"'"'t be run' replan --set 'transport={distance=0.08, gap=0.05, width=0.03, friction=0.3}' \
+    --set 'drive={acceleration=5}' --set 'plan.speeds=[300]'
+check 'far from its place' 1 'ends farther than 1 mm' plan "$transport/bars.toml" --set model.mass=0.5 --set 'plan.speeds=[500]' \
+    --set map.to=310 --set curves.count=2
+check 'restitution of 1' 0 'written to' plan "$transport/bars.toml" --set model.tine_restitution=1 --set 'plan.speeds=[500]' \
+    --set map.to=310 --set curves.count=2
+expect 'all sensitivities are there' test "$(sed -n 2p "$work/plan/plan.csv" | tr ',' '\n' | grep -c .)" -eq 25
+expect 'none of them is naught' test "$(sed -n 2p "$work/plan/plan.csv" | cut -d, -f21-25 | tr ',' '\n' | grep -c '^0$')" -eq 0
+sed '/^name = "left rear tine"/s/left/first/' "$scenes/transport.toml" >"$work/lacking.toml"
+check 'a scene that lacks a body' 2 'lacking.toml: a process model needs a body "left rear tine"' plan "$transport/bars.toml" \
+    --set "model.scene=\"$work/lacking.toml\""
+check 'a restitution above 1' 2 'must be > 0 and <= 1' plan "$transport/bars.toml" --set model.tine_restitution=1.5
 check 'no model' 2 'needs a [model]' plan "$transport/rigid.toml" --set 'plan.formulation="C"'
 
 echo "$checks checks, $([ $failed -eq 0 ] && echo none || echo some) failed"

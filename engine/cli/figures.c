@@ -23,7 +23,6 @@ scree_status figures_process(struct figures *figures, struct process *process) {
     char *path = scree_join(figures->data, "transport.toml");
     if (!path) return scree_report(&figures->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     scree_status status = process_load(process, path, &figures_task, &figures->trouble);
-    process->name = "transport.toml";
     free(path);
     return status;
 }

@@ -6,6 +6,7 @@
 #include "solver/conventional.h"
 #include "solver/table.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,13 +24,20 @@ static const char help[] =
     "  map.csv        the characteristic map's knots, and map.svg\n"
     "  curves.csv     position error over the operating speed: conventional, scaled, planned, from the map; and "
     "curves.svg\n"
-    "The limits of both motions, and what lies between them, are printed. Exit status 1 if a speed has no plan.\n"
+    "Nothing is replaced before everything is computed; then files of an earlier plan that this one hasn't got are "
+    "removed.\n"
+    "The limits of both motions, and what lies between them, are printed. Exit status 1 if a speed has no plan, or "
+    "ends\n"
+    "farther from its place than the tolerance of [curves] (default: 1 mm).\n"
     "\n"
     "  -o DIR           where to write\n"
     "  --set KEY=VALUE  change the file: plan.speeds=[500], transport.friction=0.28\n"
     "  --threads N      speeds at the same time (default: the number of processors)\n"
     "\n"
     "example: scree plan data/transport/bars.toml -o /tmp/bars\n";
+
+/* Motions compared over the operating speed. */
+enum { CONVENTIONAL, SCALED, FRESH, MAPPED, MOTIONS };
 
 /* One operating speed, planned and simulated. */
 struct speed {
@@ -46,6 +54,9 @@ struct planning {
     struct speed *speeds;
     scree_map map;
     scree_map_report report;
+    double (*errors)[MOTIONS]; /* over the operating speed; NULL: none */
+    struct scree_out *outs;    /* tables that are written, but not yet kept */
+    int outs_count;
     int threads, failed;
 };
 
@@ -55,6 +66,24 @@ static scree_plan_options options_of(const struct transport_file *f) {
     options.context = (void *)(uintptr_t)&f->process; /* only read */
     return options;
 }
+
+/* ---- output: all tables are written before the first takes its name ---- */
+
+/* The next table; NULL after filling the trouble record. */
+static FILE *begin_table(struct planning *p, const char *name, const char *header) {
+    struct scree_out *out = &p->outs[p->outs_count];
+    if (figures_open(&p->output, name, out)) return NULL;
+    p->outs_count++;
+    if (header) fprintf(out->file, "%s\n", header);
+    return out->file;
+}
+
+static scree_status end_table(struct planning *p) {
+    return scree_out_finish(&p->outs[p->outs_count - 1], &p->output.trouble);
+}
+
+/* A number and the comma before it; nothing for what isn't known. */
+static void put(FILE *file, double x) { fprintf(file, isfinite(x) ? ",%.17g" : ",", x); }
 
 /* ---- plans ---- */
 
@@ -104,26 +133,29 @@ static int probe_clearance(void *context, const double conditions[SCREE_CONDITIO
 }
 
 static void add_sensitivities(const struct transport_file *f, struct speed *s) {
+    for (int c = 0; c < SCREE_CONDITIONS; c++) s->by[c].clearance = NAN;
     if (!f->modelled) {
         scree_rigid_sensitivities(&f->task, &s->plan, s->by);
         return;
     }
     const struct process *m = &f->process;
     struct probe probe = {f, &s->plan};
-    /* Central about the working point; the lead can only grow from 0, so it is taken about one step. */
-    double lead = 1e-4, at[SCREE_CONDITIONS] = {m->kinetic_friction, scree_transport_play(&f->task), m->start + lead,
-                                                m->tine_stiffness, m->tine_restitution};
-    double steps[SCREE_CONDITIONS] = {1e-3, 1e-5, 0.5 * lead, 0.01 * m->tine_stiffness, 0.01};
-    at[SCREE_BY_START] = m->start;
-    double start_step = steps[SCREE_BY_START];
-    steps[SCREE_BY_START] = 0.0;
-    if (scree_sensitivities(probe_clearance, &probe, at, steps, s->by)) return;
-    scree_outcome by_start[SCREE_CONDITIONS];
-    at[SCREE_BY_START] = m->start + lead;
-    memset(steps, 0, sizeof steps);
-    steps[SCREE_BY_START] = start_step;
-    if (!scree_sensitivities(probe_clearance, &probe, at, steps, by_start))
-        s->by[SCREE_BY_START] = by_start[SCREE_BY_START];
+    double play = scree_transport_play(&f->task);
+    const double steps[SCREE_CONDITIONS] = {fmin(1e-3, 0.01 * m->kinetic_friction), fmin(1e-5, 0.1 * play),
+                                            fmin(5e-5, 0.1 * play), 0.01 * m->tine_stiffness,
+                                            fmin(0.01, 0.1 * m->tine_restitution)};
+    const double working[SCREE_CONDITIONS] = {m->kinetic_friction, play, m->start, m->tine_stiffness,
+                                              m->tine_restitution};
+    for (int c = 0; c < SCREE_CONDITIONS; c++) {
+        double at[SCREE_CONDITIONS], step[SCREE_CONDITIONS] = {0.0};
+        scree_outcome by[SCREE_CONDITIONS];
+        memcpy(at, working, sizeof at);
+        step[c] = steps[c];
+        /* Central about the working point; where that is a bound, about the nearest point that leaves room. */
+        if (c == SCREE_BY_START) at[c] = fmax(at[c], 2.0 * step[c]);
+        if (c == SCREE_BY_RESTITUTION) at[c] = fmin(at[c], 1.0 - step[c]);
+        if (!scree_sensitivities(probe_clearance, &probe, at, step, by)) s->by[c] = by[c];
+    }
 }
 
 static void plan_speed(const struct transport_file *f, double cycles, struct speed *s) {
@@ -141,34 +173,36 @@ static void plan_speed(const struct transport_file *f, double cycles, struct spe
 }
 
 static scree_status write_plans(struct planning *p) {
-    struct scree_out out = {0};
-    scree_status status = figures_table(
-        &p->output, "plan",
+    FILE *file = begin_table(
+        p, "plan",
         "cycles_1_min,state,transport_time_s,t1_s,t2_s,t3_s,v1_m_s,v2_m_s,v3_m_s,a1_m_s2,a2_m_s2,a3_m_s2,detachment_s,"
         "largest_acceleration_m_s2,largest_jerk_m_s3,simulations,clearance_m,approach_m_s,catch_N,final_error_m,"
-        "by_friction_m,by_play,by_start,by_stiffness_m2_N,by_restitution_m",
-        &out);
-    for (int k = 0; !status && k < p->file.speeds; k++) {
+        "by_friction_m,by_play,by_start,by_stiffness_m2_N,by_restitution_m");
+    if (!file) return p->output.trouble.status;
+    for (int k = 0; k < p->file.speeds; k++) {
         const struct speed *s = &p->speeds[k];
         const scree_plan *plan = &s->plan;
-        fprintf(out.file, "%.17g,%s", p->file.speed[k], scree_plan_state_name(plan->state));
+        fprintf(file, "%.17g,%s", p->file.speed[k], scree_plan_state_name(plan->state));
         if (plan->state) {
-            fprintf(out.file, ",,,,,,,,,,,,,,,,,,,,,,,\n");
+            fprintf(file, ",,,,,,,,,,,,,,,,,,,,,,,\n");
             continue;
         }
-        fprintf(out.file, ",%.17g,%.17g,%.17g,%.17g", plan->duration, plan->time[1], plan->time[2], plan->time[3]);
-        for (int e = 1; e <= 3; e++) fprintf(out.file, ",%.17g", plan->event[e].v);
-        for (int e = 1; e <= 3; e++) fprintf(out.file, ",%.17g", plan->event[e].a);
-        fprintf(out.file, ",%.17g,%.17g,%.17g,%d,%.17g", plan->detached, scree_extrema_acceleration(&plan->extrema),
-                scree_extrema_jerk(&plan->extrema), plan->simulations, s->clearance);
-        if (s->ran)
-            fprintf(out.file, ",%.17g,%.17g,%.17g", s->run.approach, s->run.catch_force, s->run.error);
-        else
-            fprintf(out.file, ",,,");
-        for (int c = 0; c < SCREE_CONDITIONS; c++) fprintf(out.file, ",%.17g", s->by[c].clearance);
-        fprintf(out.file, "\n");
+        put(file, plan->duration);
+        for (int e = 1; e <= 3; e++) put(file, plan->time[e]);
+        for (int e = 1; e <= 3; e++) put(file, plan->event[e].v);
+        for (int e = 1; e <= 3; e++) put(file, plan->event[e].a);
+        put(file, plan->detached);
+        put(file, scree_extrema_acceleration(&plan->extrema));
+        put(file, scree_extrema_jerk(&plan->extrema));
+        put(file, plan->simulations);
+        put(file, s->clearance);
+        put(file, s->ran ? s->run.approach : NAN);
+        put(file, s->ran ? s->run.catch_force : NAN);
+        put(file, s->ran ? s->run.error : NAN);
+        for (int c = 0; c < SCREE_CONDITIONS; c++) put(file, s->by[c].clearance);
+        fprintf(file, "\n");
     }
-    return status ? status : scree_out_keep(&out, &p->output.trouble);
+    return end_table(p);
 }
 
 static void print_plans(const struct planning *p) {
@@ -190,41 +224,65 @@ static void print_plans(const struct planning *p) {
     }
 }
 
-static scree_status make_plans(struct planning *p) {
+static void make_plans(struct planning *p) {
     const struct transport_file *f = &p->file;
+    int misplaced = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(p->threads)
     for (int k = 0; k < f->speeds; k++) plan_speed(f, f->speed[k], &p->speeds[k]);
-    for (int k = 0; k < f->speeds; k++) p->failed += p->speeds[k].plan.state || (f->modelled && !p->speeds[k].ran);
+    for (int k = 0; k < f->speeds; k++) {
+        const struct speed *s = &p->speeds[k];
+        p->failed += s->plan.state || (f->modelled && !s->ran);
+        misplaced += s->ran && !(fabs(s->run.error) <= f->tolerance);
+    }
     print_plans(p);
-    return write_plans(p);
+    if (misplaced)
+        printf("at %d of these speeds the simulated product ends farther than %g mm from its place\n", misplaced,
+               1e3 * f->tolerance);
+    p->failed += misplaced;
 }
 
 /* ---- servo tables ---- */
 
+/* "servo_500", with as many digits as tell the speed from all others. */
+static void servo_name(double cycles, char name[64]) {
+    for (int digits = 6; digits <= 17; digits++) {
+        snprintf(name, 64, "servo_%.*g", digits, cycles);
+        if (strtod(name + 6, NULL) == cycles) return;
+    }
+}
+
 static scree_status write_servo(struct planning *p, const scree_plan *plan) {
     const struct transport_file *f = &p->file;
     char name[64];
-    snprintf(name, sizeof name, "servo_%g", plan->cycles);
+    servo_name(plan->cycles, name);
     scree_table_options options = {.rate = f->rate, .cycles = f->angle ? plan->cycles : 0.0};
     scree_cycle cycle;
     scree_cycle_def def = {.cycles = plan->cycles, .lift = f->lift};
     if (f->lift != 0.0 && scree_cycle_make(&def, &plan->profile, &cycle))
         return scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no return stroke at %g cycles/min: %s",
                             plan->cycles, cycle.text);
-    struct scree_out out = {0};
-    scree_status status = figures_open(&p->output, name, &out);
-    if (status) return status;
-    int failed = f->lift != 0.0 ? scree_table_write_cycle(out.file, &cycle, &options)
-                                : scree_table_write(out.file, &plan->profile, &options);
-    if (!failed) return scree_out_keep(&out, &p->output.trouble);
-    scree_out_drop(&out, 0);
-    return scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no servo table at %g rows a second", f->rate);
+    FILE *file = begin_table(p, name, NULL);
+    if (!file) return p->output.trouble.status;
+    int failed = f->lift != 0.0 ? scree_table_write_cycle(file, &cycle, &options)
+                                : scree_table_write(file, &plan->profile, &options);
+    scree_status status = end_table(p);
+    if (!status && failed)
+        status = scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no servo table at %g rows a second", f->rate);
+    return status;
+}
+
+/* Whether there is a servo table for speed k: the first plan of its speed. */
+static int has_servo(const struct planning *p, int k) {
+    if (!(p->file.rate > 0.0) || p->speeds[k].plan.state) return 0;
+    for (int j = 0; j < k; j++)
+        if (p->file.speed[j] == p->file.speed[k]) return 0;
+    return 1;
 }
 
 static scree_status write_servos(struct planning *p) {
     scree_status status = SCREE_OK;
-    for (int k = 0; k < p->file.speeds && p->file.rate > 0.0 && !status; k++)
-        if (!p->speeds[k].plan.state) status = write_servo(p, &p->speeds[k].plan);
+    for (int k = 0; k < p->file.speeds && !status; k++)
+        if (has_servo(p, k)) status = write_servo(p, &p->speeds[k].plan);
     return status;
 }
 
@@ -247,57 +305,52 @@ static const char script_map[] =
 static scree_status write_map(struct planning *p) {
     enum { ROWS = 41, COLUMNS = 51 };
     const scree_map *map = &p->map;
-    struct scree_out out = {0};
-    scree_status status =
-        figures_table(&p->output, "map", "cycles_1_min,f1,f2,f3,v1_T_m,v2_T_m,v3_T_m,a1_T2_m,a2_T2_m,a3_T2_m", &out);
-    for (int k = 0; !status && k < map->count; k++) {
+    if (map->count == 0) return SCREE_OK;
+    FILE *file = begin_table(p, "map", "cycles_1_min,f1,f2,f3,v1_T_m,v2_T_m,v3_T_m,a1_T2_m,a2_T2_m,a3_T2_m");
+    for (int k = 0; file && k < map->count; k++) {
         const scree_map_knot *knot = &map->knots[k];
         const double *sets[3] = {knot->fractions, knot->v, knot->a};
-        fprintf(out.file, "%.17g", knot->cycles);
-        for (int s = 0; s < 9; s++) fprintf(out.file, ",%.17g", sets[s / 3][s % 3]);
-        fprintf(out.file, "\n");
+        fprintf(file, "%.17g", knot->cycles);
+        for (int s = 0; s < 9; s++) put(file, sets[s / 3][s % 3]);
+        fprintf(file, "\n");
     }
-    if (!status) status = scree_out_keep(&out, &p->output.trouble);
-    if (!status) status = figures_table(&p->output, "map_surface", "cycles_1_min,share_of_time,v_m_s", &out);
-    for (int row = 0; !status && row < ROWS; row++) {
+    if (!file || end_table(p)) return p->output.trouble.status;
+    file = begin_table(p, "map_surface", "cycles_1_min,share_of_time,v_m_s");
+    for (int row = 0; file && row < ROWS; row++) {
         double cycles = p->file.map.low + (p->file.map.high - p->file.map.low) * row / (ROWS - 1);
         struct scree_profile profile;
         if (scree_map_profile(map, cycles, &profile)) continue;
         for (int k = 0; k < COLUMNS; k++) {
             double u = k / (COLUMNS - 1.0), time = u * scree_profile_duration(&profile);
-            fprintf(out.file, "%.17g,%.17g,%.17g\n", cycles, u, scree_profile_at(&profile, time).v);
+            fprintf(file, "%.17g,%.17g,%.17g\n", cycles, u, scree_profile_at(&profile, time).v);
         }
-        fprintf(out.file, "\n");
+        fprintf(file, "\n");
     }
-    if (!status) status = scree_out_keep(&out, &p->output.trouble);
-    return status ? status : figures_plot(&p->output, "map", script_map);
+    return file ? end_table(p) : p->output.trouble.status;
 }
 
-static scree_status make_map(struct planning *p) {
+static void make_map(struct planning *p) {
     struct transport_file *f = &p->file;
-    if (!f->mapped) return SCREE_OK;
+    if (!f->mapped) return;
     f->map.error = map_error;
     f->map.context = f;
     scree_plan_options options = options_of(f);
     options.clearance = fmin(f->clearance, 0.1 * f->map.bound);
     p->report = scree_map_place(&p->map, &f->task, &options, &f->map);
     const scree_map_report *report = &p->report;
+    p->failed += report->state != SCREE_MAP_GOOD;
     if (report->state == SCREE_MAP_BAD_PLAN) {
         printf("map: no plan at %g cycles/min: %s\n", report->plan.cycles, report->plan.text);
-        p->failed++;
-        return SCREE_OK;
+        p->map.count = 0;
+        return;
     }
-    printf("map: %d knots from %g to %g cycles/min, weights linear in %s: clearance within %.3g m everywhere (worst at "
-           "%g)%s%s\n",
+    printf("map: %d knots from %g to %g cycles/min, weights linear in %s: clearance within %.3g m at three speeds "
+           "between each two (worst at %g)%s%s\n",
            p->map.count, f->map.low, f->map.high, scree_map_names[p->map.weight], report->error, report->at,
            report->state ? "; the bound is missed: " : "", report->state ? scree_map_text(report->state) : "");
-    p->failed += report->state != SCREE_MAP_GOOD;
-    return write_map(p);
 }
 
 /* ---- over the operating speed ---- */
-
-enum { CONVENTIONAL, SCALED, FRESH, MAPPED, MOTIONS };
 
 static struct scree_conventional conventional_of(const scree_transport *t) {
     return (struct scree_conventional){
@@ -334,6 +387,10 @@ static const char script_curves[] =
     "     '' using 1:($4*1e3) with linespoints ls 3 title 'new, planned',\\\n"
     "     '' using 1:($5*1e3) with points ls 4 title 'new, from the map'\n";
 
+static double curve_speed(const struct transport_file *f, int k) {
+    return f->from + (f->to - f->from) * k / (f->curves - 1);
+}
+
 static scree_status make_curves(struct planning *p) {
     const struct transport_file *f = &p->file;
     if (!f->curves) return SCREE_OK;
@@ -345,22 +402,25 @@ static scree_status make_curves(struct planning *p) {
         p->failed++;
         return SCREE_OK;
     }
-    double(*errors)[MOTIONS] = calloc((size_t)f->curves, sizeof *errors);
-    if (!errors) return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for %d speeds", f->curves);
+    p->errors = calloc((size_t)f->curves, sizeof *p->errors);
+    if (!p->errors)
+        return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for %d speeds", f->curves);
 #pragma omp parallel for schedule(dynamic) num_threads(p->threads)
-    for (int k = 0; k < f->curves; k++)
-        errors_at(p, &design, f->from + (f->to - f->from) * k / (f->curves - 1), errors[k]);
-    struct scree_out out = {0};
-    scree_status status =
-        figures_table(&p->output, "curves", "cycles_1_min,conventional_m,scaled_m,planned_m,map_m", &out);
-    for (int k = 0; !status && k < f->curves; k++) {
-        fprintf(out.file, "%.17g", f->from + (f->to - f->from) * k / (f->curves - 1));
-        for (int m = 0; m < MOTIONS; m++) fprintf(out.file, isfinite(errors[k][m]) ? ",%.17g" : ",", errors[k][m]);
-        fprintf(out.file, "\n");
+    for (int k = 0; k < f->curves; k++) errors_at(p, &design, curve_speed(f, k), p->errors[k]);
+    return SCREE_OK;
+}
+
+static scree_status write_curves(struct planning *p) {
+    const struct transport_file *f = &p->file;
+    if (!p->errors) return SCREE_OK;
+    FILE *file = begin_table(p, "curves", "cycles_1_min,conventional_m,scaled_m,planned_m,map_m");
+    if (!file) return p->output.trouble.status;
+    for (int k = 0; k < f->curves; k++) {
+        fprintf(file, "%.17g", curve_speed(f, k));
+        for (int m = 0; m < MOTIONS; m++) put(file, p->errors[k][m]);
+        fprintf(file, "\n");
     }
-    free(errors);
-    if (!status) status = scree_out_keep(&out, &p->output.trouble);
-    return status ? status : figures_plot(&p->output, "curves", script_curves);
+    return end_table(p);
 }
 
 /* ---- limits in words ---- */
@@ -380,11 +440,13 @@ static int find_times(scree_transport *task, double cycles) {
     return 0;
 }
 
-/* The lowest speed from `critical` on, in whole cycles a minute, at which some times work. */
+/* The lowest speed from `critical` to `low` at which some times work: in whole cycles a minute, or farther apart if they are many
+ * (each takes a grid of 9139 plans). */
 static void print_other_times(const scree_transport *task, double critical, double low) {
+    enum { MOST_TRIALS = 25 };
     scree_transport other = *task;
-    double cycles = ceil(critical);
-    while (cycles < low && !find_times(&other, cycles)) cycles += 1.0;
+    double step = fmax(1.0, ceil((low - critical) / MOST_TRIALS)), cycles = ceil(critical);
+    while (cycles < low && !find_times(&other, cycles)) cycles += step;
     if (cycles >= low) {
         printf("  no other times help there\n");
         return;
@@ -409,10 +471,79 @@ static void print_band(const struct transport_file *f, double critical, double l
     print_other_times(&f->task, critical, low);
 }
 
+/* Whether a drive without limits could run a rigid plan. */
+static int works(const scree_transport *task, double cycles, scree_plan *plan) {
+    scree_transport free = *task;
+    free.largest_acceleration = free.largest_jerk = 0.0;
+    scree_plan_make(&free, cycles, NULL, plan);
+    return plan->state == SCREE_PLAN_GOOD;
+}
+
+/* The lowest speed with a rigid plan: n_low, unless something else than the end of the stroke asks for more. The speeds with a plan
+ * are one interval, for every condition is linear in T^2 at each instant. HUGE_VAL, and `plan` says why, if none is found. */
+static double lowest_speed(const scree_transport *task, scree_plan *plan) {
+    double low = scree_limit_low(task), bad = low, good = low * (1.0 + 1e-9);
+    if (works(task, good, plan)) return low;
+    for (int k = 0; k < 1000 && plan->state; k++) {
+        bad = good;
+        good *= 1.01;
+        works(task, good, plan);
+    }
+    if (plan->state) return HUGE_VAL;
+    for (int k = 0; k < 60; k++) {
+        double middle = 0.5 * (bad + good);
+        if (works(task, middle, plan))
+            good = middle;
+        else
+            bad = middle;
+    }
+    return good;
+}
+
+/* The highest speed above `low` with a rigid plan, and in `plan` what is wrong beyond it; HUGE_VAL if 100 times as fast is no
+ * problem. */
+static double highest_speed(const scree_transport *task, double low, scree_plan *plan) {
+    double good = low * (1.0 + 1e-9), bad = 100.0 * low;
+    if (works(task, bad, plan)) return HUGE_VAL;
+    for (int k = 0; k < 60; k++) {
+        double middle = 0.5 * (good + bad);
+        if (works(task, middle, plan))
+            good = middle;
+        else
+            bad = middle;
+    }
+    works(task, bad, plan);
+    return good;
+}
+
+static void print_new_motion(const struct transport_file *f, double critical) {
+    scree_plan plan;
+    double low = lowest_speed(&f->task, &plan);
+    if (low == HUGE_VAL) {
+        printf("the new motion: with these times there is no plan for a rigid product at any speed: %s\n", plan.text);
+        return;
+    }
+    int limited = f->task.largest_acceleration > 0.0 || f->task.largest_jerk > 0.0;
+    double drive = limited ? scree_limit_drive(&f->task, low, 100.0 * low) : HUGE_VAL;
+    double high = highest_speed(&f->task, low, &plan);
+    printf("the new motion (rigid product): from n_low = %.4g cycles/min", low);
+    if (drive <= low)
+        printf(", where the drive's limit is passed already: it can't be run\n");
+    else if (high < drive)
+        printf(" up to %.4g; beyond, %s\n", high, plan.text);
+    else if (drive < HUGE_VAL)
+        printf(" up to the drive's limit at %.4g\n", drive);
+    else if (limited)
+        printf("; the drive isn't the limit up to %.4g\n", 100.0 * low);
+    else
+        printf("; no limits of the drive are given\n");
+    if (drive > low) print_band(f, critical, low);
+}
+
 static void print_limits(const struct planning *p) {
     const struct transport_file *f = &p->file;
     struct scree_conventional conventional = conventional_of(&f->task);
-    double critical = scree_conventional_critical(&conventional, f->tolerance), low = scree_limit_low(&f->task);
+    double critical = scree_conventional_critical(&conventional, f->tolerance);
     printf("conventional motion: the product stays at the tines up to n_0 = %.4g cycles/min, slides on by %g mm at "
            "n_crit = %.4g\n",
            scree_conventional_limit(&conventional), 1e3 * f->tolerance, critical);
@@ -429,16 +560,7 @@ static void print_limits(const struct planning *p) {
                    scree_limit_detachment(&f->task, &design));
         }
     }
-    double drive = scree_limit_drive(&f->task, low, 100.0 * low);
-    printf("the new motion: from n_low = %.4g cycles/min", low);
-    if (f->task.largest_acceleration > 0.0 || f->task.largest_jerk > 0.0) {
-        if (drive < HUGE_VAL)
-            printf(" up to the drive's limit at %.4g\n", drive);
-        else
-            printf("; the drive isn't the limit up to %.4g\n", 100.0 * low);
-    } else
-        printf("; no limits of the drive are given\n");
-    print_band(f, critical, low);
+    print_new_motion(f, critical);
 }
 
 /* ---- the whole ---- */
@@ -452,26 +574,77 @@ static char *default_folder(const char *path) {
     return folder;
 }
 
+/* A file of this program in the folder that the plan just made hasn't got: of an earlier one, and not to be taken for this. */
+static int is_stale(const struct planning *p, const char *name) {
+    static const char *const map[] = {"map.csv", "map_surface.csv", "map.gp", "map.svg", NULL};
+    static const char *const curves[] = {"curves.csv", "curves.gp", "curves.svg", NULL};
+    for (int k = 0; map[k]; k++)
+        if (strcmp(name, map[k]) == 0) return p->map.count == 0;
+    for (int k = 0; curves[k]; k++)
+        if (strcmp(name, curves[k]) == 0) return !p->errors;
+    if (strncmp(name, "servo_", 6) != 0) return 0;
+    double cycles = strtod(name + 6, NULL);
+    char own[64 + sizeof ".csv"];
+    servo_name(cycles, own);
+    if (strcmp(strcat(own, ".csv"), name) != 0) return 0; /* not named by this program */
+    for (int k = 0; k < p->file.speeds; k++)
+        if (p->file.speed[k] == cycles && has_servo(p, k)) return 0;
+    return 1;
+}
+
+static void remove_stale(const struct planning *p) {
+    DIR *folder = opendir(p->output.folder);
+    int removed = 0;
+    for (struct dirent *entry; folder && (entry = readdir(folder));) {
+        char *path = is_stale(p, entry->d_name) ? scree_join(p->output.folder, entry->d_name) : NULL;
+        removed += path && remove(path) == 0;
+        free(path);
+    }
+    if (folder) closedir(folder);
+    if (removed) printf("removed from %s: %d files of an earlier plan\n", p->output.folder, removed);
+}
+
+static scree_status write_all(struct planning *p) {
+    scree_status status = write_plans(p);
+    if (!status) status = write_servos(p);
+    if (!status) status = write_map(p);
+    if (!status) status = write_curves(p);
+    for (int k = 0; k < p->outs_count && !status; k++) status = scree_out_keep(&p->outs[k], &p->output.trouble);
+    for (int k = 0; k < p->outs_count; k++) scree_out_drop(&p->outs[k], 0);
+    if (status) return status;
+    remove_stale(p);
+    if (p->map.count) status = figures_plot(&p->output, "map", script_map);
+    if (!status && p->errors) status = figures_plot(&p->output, "curves", script_curves);
+    return status;
+}
+
+static scree_status compute(struct planning *p) {
+    const struct transport_file *f = &p->file;
+    if (f->title[0]) printf("%s\n", f->title);
+    scree_status status = f->optimised ? choose_shares(p) : SCREE_OK;
+    if (status) return status;
+    make_plans(p);
+    print_limits(p);
+    make_map(p);
+    return make_curves(p);
+}
+
 static scree_status work(struct planning *p) {
-    enum { MOST_KNOTS = 256 };
+    enum { MOST_KNOTS = 256, OTHER_TABLES = 4 };
     static scree_map_knot knots[MOST_KNOTS];
     struct transport_file *f = &p->file;
     p->map = (scree_map){.weight = f->weight, .capacity = MOST_KNOTS, .knots = knots};
     p->speeds = calloc((size_t)f->speeds, sizeof *p->speeds);
-    if (!p->speeds)
+    p->outs = calloc((size_t)f->speeds + OTHER_TABLES, sizeof *p->outs);
+    if (!p->speeds || !p->outs)
         return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for %d speeds", f->speeds);
-    struct scree_c_locale locale = scree_enter_c_locale();
+    int there = access(p->output.folder, F_OK) == 0;
     scree_status status = scree_make_folder(p->output.folder, &p->output.trouble);
-    if (!status && f->title[0]) printf("%s\n", f->title);
-    if (!status && f->optimised) status = choose_shares(p);
-    if (!status) status = make_plans(p);
-    if (!status) status = write_servos(p);
-    if (!status) print_limits(p);
-    if (!status) status = make_map(p);
-    if (!status) status = make_curves(p);
+    if (status) return status;
+    status = compute(p);
+    if (!status) status = write_all(p);
+    if (status && !there) rmdir(p->output.folder); /* only if nothing is in it */
     if (!status) printf("written to %s\n", p->output.folder);
-    scree_leave_c_locale(locale);
-    free(p->speeds);
     return status;
 }
 
@@ -493,7 +666,12 @@ int cli_plan(int count, char **words) {
     char *named = folder ? NULL : default_folder(words[0]);
     p.output = (struct figures){.folder = folder ? folder : named, .plots = 1, .threads = p.threads};
     scree_status status = transport_file_read(words[0], assignments, assignment_count, &p.file, &p.output.trouble);
+    struct scree_c_locale locale = scree_enter_c_locale();
     if (!status) status = work(&p);
+    scree_leave_c_locale(locale);
+    free(p.speeds);
+    free(p.outs);
+    free(p.errors);
     if (status) cli_complain("%s", p.output.trouble.text);
     transport_file_free(&p.file);
     free(named);

@@ -2,8 +2,10 @@
 #include "engine/cli/process.h"
 
 #include "bodies/quat.h"
+#include "engine/c_locale.h"
 #include "engine/file.h"
 #include "engine/scene_file.h"
+#include "engine/toml.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -12,14 +14,66 @@
 
 enum { ASSIGNMENTS = 24, LONGEST = 320, LARGEST_SCENE = 1 << 20 };
 
+/* Lengths of the scene that no task changes, m: of a tine along the way and across, of half the slot between the surfaces; how far
+ * tines reach below the plane and above the product, how far surfaces and tines reach beyond the centres of the corners, which meet
+ * faces and never edges. */
+static const double tine_length = 0.03, tine_width = 0.01, half_slot = 0.003, below = 0.005, above = 0.008,
+                    beyond = 2e-4;
+
+/* ---- the scene file ---- */
+
+/* Index of the rule between two materials; -1 if there is none. */
+static int find_contact(const struct scree_toml *root, const char *a, const char *b) {
+    const struct scree_toml *rules = scree_toml_get(root, "contact");
+    int index = 0;
+    for (const struct scree_toml *rule = rules ? rules->first : NULL; rule; rule = rule->next, index++) {
+        const struct scree_toml *pair = scree_toml_get(rule, "between"), *first = pair ? pair->first : NULL;
+        const char *x = first ? first->string : NULL, *y = first && first->next ? first->next->string : NULL;
+        if (x && y && ((!strcmp(x, a) && !strcmp(y, b)) || (!strcmp(x, b) && !strcmp(y, a)))) return index;
+    }
+    return -1;
+}
+
+static int has_named(const struct scree_toml *root, const char *array, const char *name) {
+    const struct scree_toml *all = scree_toml_get(root, array);
+    for (const struct scree_toml *entry = all ? all->first : NULL; entry; entry = entry->next) {
+        const struct scree_toml *own = scree_toml_get(entry, "name");
+        if (own && own->string && strcmp(own->string, name) == 0) return 1;
+    }
+    return 0;
+}
+
+static scree_status find_parts_of_file(struct process *process, const struct scree_toml *root, scree_trouble *trouble) {
+    static const char *const parts[][2] = {
+        {"body", "product"},          {"body", "left surface"},    {"body", "right surface"},
+        {"body", "left rear tine"},   {"body", "right rear tine"}, {"body", "left front tine"},
+        {"body", "right front tine"}, {"motion", "stroke"},        {"motion", "lift"}};
+    static const char *const partners[3] = {"surface", "rear tine", "front tine"};
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
+        if (!has_named(root, parts[k][0], parts[k][1]))
+            return scree_report(trouble, SCREE_BAD_INPUT, NULL,
+                                "%s: a process model needs a %s \"%s\", as in transport.toml", process->name,
+                                parts[k][0], parts[k][1]);
+    for (int k = 0; k < 3; k++) {
+        process->contact[k] = find_contact(root, "product", partners[k]);
+        if (process->contact[k] < 0)
+            return scree_report(
+                trouble, SCREE_BAD_INPUT, NULL,
+                "%s: a process model needs a contact between \"product\" and \"%s\", as in transport.toml",
+                process->name, partners[k]);
+    }
+    return SCREE_OK;
+}
+
 scree_status process_load(struct process *process, const char *path, const scree_transport *task,
                           scree_trouble *trouble) {
-    *process = (struct process){.name = path,
+    *process = (struct process){.name = strdup(path),
                                 .length = task->width,
                                 .depth = 0.05,
                                 .height = 0.012,
                                 .mass = 0.03,
                                 .gap = task->gap,
+                                .distance = task->distance,
                                 .static_friction = 0.35,
                                 .kinetic_friction = task->friction,
                                 .threshold = 1e-3,
@@ -28,13 +82,22 @@ scree_status process_load(struct process *process, const char *path, const scree
                                 .surface_stiffness = 4e5,
                                 .gravity = task->gravity,
                                 .step = 5e-6};
+    if (!process->name) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     process->text = scree_read_file(path, LARGEST_SCENE, &process->size, trouble);
-    return process->text ? SCREE_OK : trouble->status;
+    if (!process->text) return trouble->status;
+    struct scree_toml_document document;
+    struct scree_c_locale locale = scree_enter_c_locale();
+    scree_status status = scree_toml_parse(process->text, process->size, path, &document, trouble);
+    if (!status) status = find_parts_of_file(process, document.root, trouble);
+    scree_toml_free(&document);
+    scree_leave_c_locale(locale);
+    return status;
 }
 
 void process_free(struct process *process) {
     free(process->text);
-    process->text = NULL;
+    free(process->name);
+    process->text = process->name = NULL;
 }
 
 /* ---- the scene ---- */
@@ -59,7 +122,8 @@ SCREE_PRINTF(2, 3) static void change(struct changes *changes, const char *forma
 /* The profile as rows of a motion table: pieces of degree 5 in the position, or of degree 5 in the velocity. */
 static void change_stroke(struct changes *changes, const struct scree_profile *profile) {
     char *text = changes->stroke;
-    size_t size = sizeof changes->stroke, used = (size_t)snprintf(text, size, "motion.stroke.rows=[");
+    size_t size = sizeof changes->stroke,
+           used = (size_t)snprintf(text, size, "motion.stroke={name=\"stroke\",kind=\"table\",rows=[");
     int jerk = 0;
     for (int k = 0; k < profile->count; k++) jerk |= profile->segment[k].c[6] != 0.0;
     for (int k = 0; k <= profile->count; k++) {
@@ -70,38 +134,71 @@ static void change_stroke(struct changes *changes, const struct scree_profile *p
         if (jerk) used += (size_t)snprintf(text + used, size - used, ",%.17g", at.j);
         used += (size_t)snprintf(text + used, size - used, "],");
     }
-    snprintf(text + used, size - used, "]");
+    snprintf(text + used, size - used, "]}");
     changes->list[changes->count++] = text;
 }
 
-static void change_tine(struct changes *changes, const char *name, double x, double side) {
-    change(changes, "body.\"%s\".position=[%.17g,%.17g,0.0075]", name, x, side * 0.0278);
+/* Radius of the product's corners: 2 mm, less for a small product. */
+static double rounding(const struct process *p) {
+    return fmin(0.002, 0.2 * fmin(p->length, fmin(p->depth, p->height)));
+}
+
+/* Tines that stand beside the surfaces, as high as the product needs. */
+static void change_tine(struct changes *changes, const struct process *p, const char *name, double x, double side) {
+    double corner = 0.5 * p->depth - rounding(p), size = p->height + above + below;
+    change(changes, "body.\"%s\".shape={box=[%.17g,%.17g,%.17g]}", name, tine_length, tine_width, size);
+    change(changes, "body.\"%s\".position=[%.17g,%.17g,%.17g]", name, x,
+           side * (corner - fmin(beyond, 0.1 * corner) + 0.5 * tine_width), 0.5 * size - below);
+}
+
+/* Surfaces that end just beyond the product's corners, and farther along the way than it can slide between tines. */
+static void change_surface(struct changes *changes, const struct process *p, const char *name, double side) {
+    double corner = 0.5 * p->depth - rounding(p), outer = corner + fmin(beyond, 0.1 * corner);
+    double inner = fmin(half_slot, 0.5 * corner), reach = p->distance + p->gap;
+    change(changes, "body.\"%s\".shape={rectangle=[%.17g,%.17g]}", name, 12.0 * reach, outer - inner);
+    change(changes, "body.\"%s\".position=[%.17g,%.17g,0]", name, 4.0 * reach, side * 0.5 * (outer + inner));
+}
+
+static void change_bodies(struct changes *changes, const struct process *p) {
+    double sunk = p->mass * p->gravity / p->surface_stiffness;
+    change(changes, "body.product.shape={box=[%.17g,%.17g,%.17g],rounding=%.17g}", p->length, p->depth, p->height,
+           rounding(p));
+    change(changes, "body.product.mass=%.17g", p->mass);
+    change(changes, "body.product.position=[%.17g,0,%.17g]", 0.5 * p->length + p->start, 0.5 * p->height - sunk);
+    change_surface(changes, p, "left surface", 1.0);
+    change_surface(changes, p, "right surface", -1.0);
+    change_tine(changes, p, "left rear tine", -0.5 * tine_length, 1.0);
+    change_tine(changes, p, "right rear tine", -0.5 * tine_length, -1.0);
+    change_tine(changes, p, "left front tine", p->gap + 0.5 * tine_length, 1.0);
+    change_tine(changes, p, "right front tine", p->gap + 0.5 * tine_length, -1.0);
+}
+
+/* Rear tines always touch, front tines only if they are to catch. */
+static void change_contacts(struct changes *changes, const struct process *p, int caught) {
+    change(changes,
+           "contact.%d={between=[\"product\",\"surface\"],shared_by=4,"
+           "normal={law=\"linear-loading\",stiffness=%.17g,restitution=0.5},"
+           "friction={law=\"stick-slip\",static=%.17g,kinetic=%.17g,threshold=%.17g}}",
+           p->contact[0], p->surface_stiffness, p->static_friction, p->kinetic_friction, p->threshold);
+    for (int tines = 1; tines <= 2; tines++)
+        change(changes,
+               "contact.%d={between=[\"product\",\"%s tine\"],shared_by=4,%s"
+               "normal={law=\"linear-loading\",stiffness=%.17g,restitution=%.17g}}",
+               p->contact[tines], tines == 1 ? "rear" : "front", tines == 2 && !caught ? "none=true," : "",
+               p->tine_stiffness, p->tine_restitution);
 }
 
 /* The scene for a profile, with front tines that touch (`caught`) or not; NULL after filling `trouble`. */
 static scree_scene *make_scene(const struct process *p, const struct scree_profile *profile, double step, int caught,
                                scree_trouble *trouble) {
     struct changes changes = {0};
-    const double tine = 0.03; /* length of a tine in the scene file */
-    double sunk = p->mass * p->gravity / p->surface_stiffness;
     change_stroke(&changes, profile);
-    change(&changes, "motion.lift.rows=[[0,0,0,0],[1,0,0,0]]");
+    change(&changes, "motion.lift={name=\"lift\",kind=\"table\",rows=[[0,0,0,0],[1,0,0,0]]}");
     change(&changes, "gravity=[0,0,%.17g]", -p->gravity);
     change(&changes, "time={end=1.0,step=%.17g}", step);
     change(&changes, "output={write=[]}");
-    change(&changes, "body.product.shape={box=[%.17g,%.17g,%.17g],rounding=0.002}", p->length, p->depth, p->height);
-    change(&changes, "body.product.mass=%.17g", p->mass);
-    change(&changes, "body.product.position=[%.17g,0,%.17g]", 0.5 * p->length + p->start, 0.5 * p->height - sunk);
-    change_tine(&changes, "left front tine", p->gap + 0.5 * tine, 1.0);
-    change_tine(&changes, "right front tine", p->gap + 0.5 * tine, -1.0);
-    change(&changes, "contact.0.friction={law=\"stick-slip\",static=%.17g,kinetic=%.17g,threshold=%.17g}",
-           p->static_friction, p->kinetic_friction, p->threshold);
-    change(&changes, "contact.0.normal={law=\"linear-loading\",stiffness=%.17g,restitution=0.5}", p->surface_stiffness);
-    for (int tines = 1; tines <= 1 + caught; tines++)
-        change(&changes,
-               "contact.%d={between=[\"product\",\"%s "
-               "tine\"],shared_by=4,normal={law=\"linear-loading\",stiffness=%.17g,restitution=%.17g}}",
-               tines, tines == 1 ? "rear" : "front", p->tine_stiffness, p->tine_restitution);
+    change_bodies(&changes, p);
+    change_contacts(&changes, p, caught);
     scree_scene *scene = NULL;
     struct scree_run_request request = {0};
     scree_read_scene(p->text, p->size, p->name, changes.list, changes.count, 1, &scene, &request, trouble);
@@ -126,9 +223,8 @@ static struct parts find_parts(const scree_scene *scene) {
 /* How far the corners of the product reach along x from its centre. */
 static double reach(const struct process *p, const scree_body_state *product) {
     struct mat frame = quat_to_mat(quat_from(product->orientation));
-    double rounding = 0.002,
-           half[3] = {0.5 * p->length - rounding, 0.5 * p->depth - rounding, 0.5 * p->height - rounding};
-    double sum = rounding;
+    double r = rounding(p), half[3] = {0.5 * p->length - r, 0.5 * p->depth - r, 0.5 * p->height - r};
+    double sum = r;
     for (int k = 0; k < 3; k++) sum += fabs(frame.column[k].x) * half[k];
     return sum;
 }
@@ -136,7 +232,7 @@ static double reach(const struct process *p, const scree_body_state *product) {
 /* Gap between the product's front corners and the front tines, m. */
 static double clearance(const struct process *p, const scree_scene *scene, struct parts parts) {
     scree_body_state product = scree_scene_body(scene, parts.product);
-    double front = scree_scene_body(scene, parts.front).position[0] - 0.015;
+    double front = scree_scene_body(scene, parts.front).position[0] - 0.5 * tine_length;
     return front - product.position[0] - reach(p, &product);
 }
 
@@ -155,13 +251,53 @@ static scree_status forces(scree_scene *scene, double *rear, double *front, doub
     return status;
 }
 
-/* Steps of at most `largest` that make up `duration`. */
-static long steps_in(double duration, double largest) { return (long)ceil(duration / largest * (1.0 - 1e-12)); }
+enum { MOST_STEPS = 1000000000 };
+
+/* Steps of at most `largest` that make up `duration`; 0 if they are more than anyone could wait for. */
+static long steps_in(double duration, double largest) {
+    double steps = ceil(duration / largest * (1.0 - 1e-12));
+    return steps <= MOST_STEPS ? (long)steps : 0;
+}
+
+/* Every tine is `x` from where it started, and nowhere else. */
+static int tines_at(const scree_scene *scene, const struct process *p, double x) {
+    static const char *const names[4] = {"left rear tine", "right rear tine", "left front tine", "right front tine"};
+    int good = 1;
+    for (int k = 0; k < 4; k++) {
+        scree_body_state tine = scree_scene_body(scene, scree_scene_find_body(scene, names[k]));
+        double start = k < 2 ? -0.5 * tine_length : p->gap + 0.5 * tine_length,
+               height = 0.5 * (p->height + above - below);
+        good &= fabs(tine.position[0] - start - x) <= 1e-9 * (p->gap + x) &&
+                fabs(tine.position[2] - height) <= 1e-9 * p->gap;
+    }
+    return good;
+}
+
+scree_status process_check(const struct process *p, scree_trouble *trouble) {
+    enum { STEPS = 10 };
+    /* At a constant speed at which the product is hardly pressed in. */
+    struct scree_kinematics at = {.v = 1e-3};
+    struct scree_segment segment = scree_velocity_segment(1.0, 0.0, at, at);
+    struct scree_profile profile = {0};
+    scree_profile_append(&profile, &segment);
+    scree_scene *scene = make_scene(p, &profile, p->step, 1, trouble);
+    if (!scene) return trouble->status;
+    scree_status status = scree_scene_step(scene, STEPS);
+    if (status)
+        *trouble = *scree_scene_trouble(scene);
+    else if (!tines_at(scene, p, scree_profile_at(&profile, STEPS * p->step).x))
+        status = scree_report(
+            trouble, SCREE_BAD_INPUT, NULL,
+            "%s: the four tines must have the joint { x = \"stroke\", z = \"lift\", others = \"fixed\" }", p->name);
+    scree_scene_destroy(scene);
+    return status;
+}
 
 int process_catch(void *context, const struct scree_profile *profile, double until, scree_catch *result) {
     const struct process *p = context;
     scree_trouble trouble;
     long steps = steps_in(until, p->step);
+    if (steps == 0) return 1;
     scree_scene *scene = make_scene(p, profile, until / (double)steps, 0, &trouble);
     if (!scene) return 1;
     scree_status status = scree_scene_step(scene, steps);
@@ -181,7 +317,7 @@ static struct process_sample sample(const struct process *p, scree_scene *scene,
     double along;
     scree_body_state comb = scree_scene_body(scene, parts.rear), product = scree_scene_body(scene, parts.product);
     struct process_sample s = {.time = scree_scene_time(scene),
-                               .comb = comb.position[0] + 0.015,
+                               .comb = comb.position[0] + 0.5 * tine_length,
                                .comb_velocity = comb.velocity[0],
                                .product = product.position[0] - 0.5 * p->length,
                                .product_velocity = product.velocity[0]};
@@ -207,28 +343,55 @@ static void note(struct process_run *run, const struct process_sample *s, struct
     *last = now;
 }
 
-scree_status process_simulate(const struct process *p, const struct scree_profile *profile, double target,
-                              struct process_run *run) {
-    double duration = scree_profile_duration(profile), step = duration / (double)steps_in(duration, p->step);
-    run->error = run->approach = run->touched = run->catch_force = run->push_force = 0.0;
-    scree_scene *scene = make_scene(p, profile, step, 1, &run->trouble);
-    if (!scene) return run->trouble.status;
+/* Time in which friction stops whatever the comb has thrown: bounces between the tines lose speed too, and twice its largest is
+ * more than restitution can give. The rest is for the creep at the end. */
+static double time_to_rest(const struct process *p, const struct scree_profile *profile) {
+    struct scree_extrema extrema = scree_profile_extrema(profile);
+    double fastest = 2.0 * fmax(extrema.largest.v, -extrema.least.v);
+    /* The creep at the end decays from the threshold to 1e-9 m/s like exp(-mu_s g t/threshold): in 30 time constants if the
+     * threshold is below 1e4 m/s. */
+    double creep = 30.0 * p->threshold / (p->static_friction * p->gravity);
+    return 2.0 + creep + fastest / (p->kinetic_friction * p->gravity);
+}
+
+/* Step until the comb has arrived and the product rests. */
+static scree_status run_to_rest(const struct process *p, scree_scene *scene, const struct scree_profile *profile,
+                                struct process_run *run, struct process_sample *s) {
     struct parts parts = find_parts(scene);
     scree_status status = SCREE_OK;
-    double shown = -1.0, deadline = duration + 2.0;
-    struct process_sample s = sample(p, scene, parts);
+    double duration = scree_profile_duration(profile), shown = -1.0, deadline = duration + time_to_rest(p, profile);
+    *s = sample(p, scene, parts);
     struct nearing last = {.gap = clearance(p, scene, parts)};
     /* At rest as slow as the regularised friction lets it be: what is left of the way is below 1e-12 m. */
-    while (!status && (s.time < duration || (fabs(s.product_velocity) > 1e-9 && s.time < deadline))) {
-        if (run->watch && s.time >= shown + run->every * (1.0 - 1e-9)) {
-            run->watch(run->context, &s);
-            shown = s.time;
+    while (!status && (s->time < duration || fabs(s->product_velocity) > 1e-9)) {
+        if (s->time >= deadline)
+            return scree_report(&run->trouble, SCREE_FAILED, NULL,
+                                "the product still moves at %.3g m/s %.3g s after the comb has stopped",
+                                s->product_velocity, s->time - duration);
+        if (run->watch && s->time >= shown + run->every * (1.0 - 1e-9)) {
+            run->watch(run->context, s);
+            shown = s->time;
         }
         status = scree_scene_step(scene, 1);
-        s = sample(p, scene, parts);
-        note(run, &s, &last, clearance(p, scene, parts));
+        *s = sample(p, scene, parts);
+        note(run, s, &last, clearance(p, scene, parts));
     }
     if (status) run->trouble = *scree_scene_trouble(scene);
+    return status;
+}
+
+scree_status process_simulate(const struct process *p, const struct scree_profile *profile, double target,
+                              struct process_run *run) {
+    double duration = scree_profile_duration(profile);
+    long steps = steps_in(duration, p->step);
+    run->error = run->approach = run->touched = run->catch_force = run->push_force = 0.0;
+    if (steps == 0)
+        return scree_report(&run->trouble, SCREE_FAILED, NULL, "a stroke of %g s in steps of %g s: more than %d steps",
+                            duration, p->step, MOST_STEPS);
+    scree_scene *scene = make_scene(p, profile, duration / (double)steps, 1, &run->trouble);
+    if (!scene) return run->trouble.status;
+    struct process_sample s;
+    scree_status status = run_to_rest(p, scene, profile, run, &s);
     run->error = s.product - target;
     scree_scene_destroy(scene);
     return status;

@@ -8,11 +8,12 @@
 
 /* What the scene is made from. SI units. */
 struct process {
-    char *text; /* of the scene file, owned */
+    char *text, *name; /* of the scene file, owned */
     size_t size;
-    const char *name;                                    /* of the scene file */
+    int contact[3];                                      /* of the product with surfaces, rear and front tines */
     double length, depth, height, mass;                  /* product: along x, across, upwards, m; kg */
     double gap;                                          /* clear distance between rear and front tines, m */
+    double distance;                                     /* of the transport, m: the surfaces are long enough for it */
     double start;                                        /* the product's lead before the rear tines at the start, m */
     double static_friction, kinetic_friction, threshold; /* product on surface; threshold m/s */
     double tine_stiffness, tine_restitution;             /* of all tines that one product meets, N/m */
@@ -22,9 +23,14 @@ struct process {
 };
 
 /* The scene of a task from the scene file at `path`: the standard product, tines and surfaces, changed where `task` says so.
- * To be freed with process_free. */
+ * SCREE_BAD_INPUT names what the file lacks of the bodies, motions and contacts of data/scenes/transport.toml. To be freed with
+ * process_free, whether or not this fails. */
 scree_status process_load(struct process *process, const char *path, const scree_transport *task,
                           scree_trouble *trouble);
+
+/* Whether the scene can be made and run with the numbers that `process` has now, and its tines do what a profile says. */
+scree_status process_check(const struct process *process, scree_trouble *trouble);
+
 void process_free(struct process *process);
 
 /* State of the model at one instant. */
@@ -48,7 +54,8 @@ struct process_run {
 /* Formulation C's view of the model (a scree_process; `context` is a struct process): the state at `until`, front tines off. */
 int process_catch(void *process, const struct scree_profile *profile, double until, scree_catch *result);
 
-/* Run the profile with all tines until the product rests; `target` is its wanted final position, m. */
+/* Run the profile with all tines until the product rests; `target` is its wanted final position, m. SCREE_FAILED if it hasn't come
+ * to rest in the time that friction needs for the fastest slide. */
 scree_status process_simulate(const struct process *process, const struct scree_profile *profile, double target,
                               struct process_run *run);
 

@@ -83,7 +83,6 @@ static void load_model(struct scree_reader *r, const struct scree_toml *node, st
         r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
     else if (process_load(&f->process, path, &f->task, &cause))
         scree_complain(r, node, "%s", cause.text);
-    f->process.name = node->string;
     free(folder);
     free(path);
 }
@@ -129,6 +128,8 @@ static void read_model(struct scree_reader *r, struct transport_file *f) {
     if (!(p->start >= 0.0 && p->start < scree_transport_play(&f->task)))
         scree_complain(r, scree_toml_get(table, "start"), "start must be from 0 to below the play of %g m, got %g",
                        scree_transport_play(&f->task), p->start);
+    scree_trouble cause = {0};
+    if (!r->status && process_check(p, &cause)) scree_complain(r, table, "the process model can't run: %s", cause.text);
 }
 
 /* speeds = [300, 500] or { from, to, count } */
@@ -217,6 +218,16 @@ static void read_servo(struct scree_reader *r, struct transport_file *f) {
     f->rate = read_positive(r, table, "rate", 1000.0);
     f->angle = scree_read_boolean(r, table, "angle");
     f->lift = scree_read_number(r, table, "lift", 0.0);
+    double slowest = HUGE_VAL, most = 1e7;
+    for (int k = 0; k < f->speeds; k++) slowest = fmin(slowest, f->speed[k]);
+    double rows = f->rate * 60.0 * (f->lift != 0.0 ? 1.0 : f->task.share) / slowest;
+    if (!(rows <= most))
+        scree_complain(r, scree_toml_nearest(table, "rate"),
+                       "at %g rows a second a table for %g cycles/min has %g rows; the most is %g", f->rate, slowest,
+                       rows, most);
+    if (f->lift != 0.0 && f->task.share >= 1.0)
+        scree_complain(r, scree_toml_get(table, "lift"),
+                       "transport takes the whole cycle (share = %g): no time for the return stroke", f->task.share);
 }
 
 static void read_root(struct scree_reader *r) {
@@ -248,7 +259,6 @@ scree_status transport_file_read(const char *path, const char *const *assignment
     for (int k = 0; k < count && !r.status; k++) r.status = scree_toml_set(&document, assignments[k], trouble);
     r.root = document.root;
     if (!r.status) read_root(&r);
-    transport->process.name = path;
     scree_toml_free(&document);
     scree_leave_c_locale(locale);
     free(text);
