@@ -4,7 +4,9 @@
 #include "contact/law_list.h"
 
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define ENTRY(word) &scree_normal_##word,
@@ -176,6 +178,25 @@ static scree_status read_values(const struct scree_law_text *text, const scree_l
     return SCREE_OK;
 }
 
+/* A copy of a force table in one piece of memory, its forces divided by `share`; NULL if there is no memory. */
+static struct scree_force_table *copy_table(const struct scree_force_table *t, double share) {
+    if (t->overlaps < 1 || t->speeds < 1) return calloc(1, sizeof(struct scree_force_table));
+    size_t overlaps = (size_t)t->overlaps, speeds = (size_t)t->speeds;
+    struct scree_force_table *copy = malloc(sizeof *copy + (overlaps + speeds + overlaps * speeds) * sizeof(double));
+    if (!copy) return NULL;
+    double *data = (double *)(copy + 1), *force = data + overlaps + speeds;
+    memcpy(data, t->overlap, overlaps * sizeof *data);
+    memcpy(data + overlaps, t->speed, speeds * sizeof *data);
+    for (size_t k = 0; k < overlaps * speeds; k++) force[k] = t->force[k] / share;
+    *copy = (struct scree_force_table){t->overlaps, t->speeds, data, data + overlaps, force};
+    return copy;
+}
+
+void scree_free_rule(struct scree_rule *rule) {
+    free((void *)(uintptr_t)rule->normal_constants.table);
+    rule->normal_constants.table = NULL;
+}
+
 static scree_status bake_normal(const scree_law_choice *choice, const struct scree_elastic *elastic,
                                 struct scree_rule *rule, scree_trouble *trouble) {
     if (!choice->law || !choice->law[0])
@@ -215,6 +236,13 @@ static scree_status within(const char *part, scree_status status, scree_trouble 
     return status;
 }
 
+static scree_status bake_laws(const scree_contact_def *def, const struct scree_elastic *elastic,
+                              struct scree_rule *rule, scree_trouble *trouble) {
+    scree_status status = within("normal", bake_normal(&def->normal, elastic, rule, trouble), trouble);
+    if (status || !def->friction.law || !def->friction.law[0]) return status;
+    return within("friction", bake_friction(&def->friction, elastic, rule, trouble), trouble);
+}
+
 scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
                              scree_trouble *trouble) {
     *rule = (struct scree_rule){.material = {def->between[0], def->between[1]}, .friction = -1, .share = 1.0};
@@ -224,9 +252,16 @@ scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_el
         return scree_report(trouble, SCREE_BAD_INPUT, "shared_by", "shared_by must be a positive count, got %d",
                             def->shared_by);
     rule->share = def->shared_by ? def->shared_by : 1;
-    scree_status status = within("normal", bake_normal(&def->normal, elastic, rule, trouble), trouble);
-    if (status || !def->friction.law || !def->friction.law[0]) return status;
-    return within("friction", bake_friction(&def->friction, elastic, rule, trouble), trouble);
+    if (def->table && (!def->normal.law || strcmp(def->normal.law, "table") != 0))
+        return scree_report(trouble, SCREE_BAD_INPUT, "normal", "measured forces go with the law \"table\" only");
+    if (def->table) {
+        rule->normal_constants.table = copy_table(def->table, rule->share);
+        if (!rule->normal_constants.table)
+            return scree_report(trouble, SCREE_NO_MEMORY, "table", "no memory for a force table");
+    }
+    scree_status status = bake_laws(def, elastic, rule, trouble);
+    if (status) scree_free_rule(rule);
+    return status;
 }
 
 static double coefficient_at(const struct scree_friction_law *law, const struct scree_law_constants *constants,

@@ -19,6 +19,9 @@ struct scree_rule {
     struct scree_law_constants normal_constants, friction_constants;
 };
 
+/* Free what a rule owns (its force table). */
+void scree_free_rule(struct scree_rule *rule);
+
 /* Index of the law called `name`, -1 if there is none. */
 int scree_find_normal_law(const char *name);
 int scree_find_friction_law(const char *name);
@@ -31,7 +34,7 @@ struct scree_elastic {
 /* Effective moduli of two materials by Young's moduli (Pa; HUGE_VAL: rigid; 0: unknown) and Poisson's ratios. */
 struct scree_elastic scree_elastic_of(const double young[2], const double poisson[2]);
 
-/* Turn a definition into a rule; `elastic` may be NULL. SCREE_BAD_INPUT names the law, the parameter and its range: unknown law or
+/* Turn a definition into a rule, to be freed with scree_free_rule; `elastic` may be NULL. SCREE_BAD_INPUT names the law, the parameter and its range: unknown law or
  * parameter, one missing, out of its range, or two that contradict each other. */
 scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
                              scree_trouble *trouble);

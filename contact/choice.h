@@ -17,11 +17,20 @@ typedef struct scree_law_choice {
     scree_setting setting[SCREE_SETTINGS_MAX];
 } scree_law_choice;
 
+/* Measured forces on a grid of overlaps and closing speeds, for the normal law "table". */
+typedef struct scree_force_table {
+    int overlaps, speeds;  /* >= 2; >= 1: with one, which is 0, the force doesn't depend on the speed */
+    const double *overlap; /* m, rising from 0 */
+    const double *speed;   /* m/s, rising, 0 among them; positive while the bodies approach */
+    const double *force;   /* N, force[k * speeds + s] */
+} scree_force_table;
+
 /* The contact between two materials (indices returned by scree_scene_add_material, in either order). */
 typedef struct scree_contact_def {
     int between[2];
-    scree_law_choice normal;   /* required unless `none` is set */
-    scree_law_choice friction; /* optional: without it the contact is frictionless */
+    scree_law_choice normal;        /* required unless `none` is set */
+    scree_law_choice friction;      /* optional: without it the contact is frictionless */
+    const scree_force_table *table; /* of the normal law "table"; copied */
     int shared_by; /* contacts that share one load: stiffness and damping are totals, divided by it; 0 means 1 */
     int none;      /* bodies of these materials pass through each other */
 } scree_contact_def;

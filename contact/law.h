@@ -12,6 +12,7 @@
 #include "bodies/elementary.h"
 #include "bodies/trouble.h"
 #include "bodies/vec.h"
+#include "contact/choice.h"
 
 enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12 };
 
@@ -53,6 +54,7 @@ struct scree_values {
 /* Constants of a law for one pair of materials, made once from the parameters. */
 struct scree_law_constants {
     double c[SCREE_LAW_CONSTANTS];
+    const struct scree_force_table *table; /* of the law "table"; belongs to the rule */
 };
 
 /* Constants of a law for one pair of bodies: they depend on effective mass and radius too. */

@@ -1,9 +1,12 @@
 /* Typed access to the tables of a TOML file, with messages that name file, line and column. */
 #include "engine/reader.h"
 
+#include "engine/file.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- messages ---- */
@@ -114,4 +117,64 @@ int scree_choose(struct scree_reader *r, const struct scree_toml *node, const ch
     scree_complain(r, node, "%s must be one of %s%s", what, list,
                    node->type == SCREE_TOML_STRING ? scree_hint(node->string, words).text : "");
     return 0;
+}
+
+/* ---- tables of numbers ---- */
+
+/* Path of a file named in the file: relative to its folder. To be freed. */
+static char *beside_file(const struct scree_reader *r, const char *file) {
+    const char *slash = strrchr(r->name, '/');
+    size_t folder = slash && file[0] != '/' ? (size_t)(slash - r->name) + 1 : 0;
+    char *path = malloc(folder + strlen(file) + 1);
+    if (!path) return NULL;
+    memcpy(path, r->name, folder);
+    memcpy(path + folder, file, strlen(file) + 1);
+    return path;
+}
+
+enum { LARGEST_TABLE = 1 << 30 };
+
+char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
+                            struct scree_table *table) {
+    if (!node->string[0] || strcmp(node->string, "-") == 0) {
+        scree_complain(r, node, "file must name a table (standard input can't be one)");
+        return NULL;
+    }
+    char *path = beside_file(r, node->string);
+    size_t size;
+    char *text = path ? scree_read_file(path, LARGEST_TABLE, &size, r->trouble) : NULL;
+    if (!path) r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
+    if (path && !text) r->status = r->trouble->status;
+    if (text) r->status = scree_table_parse(text, size, path, rising, table, r->trouble);
+    free(text);
+    if (!r->status) return path;
+    free(path);
+    return NULL;
+}
+
+void scree_read_rows(struct scree_reader *r, const struct scree_toml *rows, const char *const *names, int least,
+                     const char *what, struct scree_table *table) {
+    int columns = rows->first && rows->first->type == SCREE_TOML_ARRAY ? rows->first->count : 0, most = 0;
+    while (names[most]) most++;
+    if (rows->type != SCREE_TOML_ARRAY || columns < least || columns > most) {
+        scree_complain(r, rows, "rows must be an array of rows %s", what);
+        return;
+    }
+    for (int k = 0; k < columns; k++) {
+        table->name[k] = strdup(names[k]);
+        table->column[k] = malloc((size_t)rows->count * sizeof(double));
+        table->columns++;
+        if (!table->name[k] || !table->column[k])
+            r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
+    }
+    for (const struct scree_toml *row = rows->first; row && !r->status; row = row->next) {
+        if (row->type != SCREE_TOML_ARRAY || row->count != columns) {
+            scree_complain(r, row, "this row must have %d numbers like the first", columns);
+            return;
+        }
+        int k = 0;
+        for (const struct scree_toml *cell = row->first; cell; cell = cell->next, k++)
+            table->column[k][table->rows] = scree_number_of(r, cell, names[k]);
+        table->rows++;
+    }
 }

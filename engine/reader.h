@@ -3,6 +3,7 @@
 #ifndef SCREE_ENGINE_READER_H
 #define SCREE_ENGINE_READER_H
 
+#include "engine/table.h"
 #include "engine/toml.h"
 
 /* What is shared while one file is read. */
@@ -42,5 +43,14 @@ void scree_read_each(struct scree_reader *r, const struct scree_toml *root, cons
 
 /* Index of a string among NULL-terminated words, or 0 with a complaint. */
 int scree_choose(struct scree_reader *r, const struct scree_toml *node, const char *what, const char *const *words);
+
+/* Read the table that a string names, beside the file; `rising` names a column that must increase, NULL: none. Its path, to be
+ * freed; NULL after a complaint. */
+char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
+                            struct scree_table *table);
+
+/* rows = [[…], …] as columns of these names (NULL-terminated), from `least` to as many as there are; `what` tells how rows look. */
+void scree_read_rows(struct scree_reader *r, const struct scree_toml *rows, const char *const *names, int least,
+                     const char *what, struct scree_table *table);
 
 #endif

@@ -99,6 +99,14 @@ static uint64_t print_start(const scree_scene *scene) {
     return hash;
 }
 
+static uint64_t hash_table(uint64_t hash, const struct scree_force_table *table) {
+    if (!table) return hash;
+    size_t overlaps = (size_t)table->overlaps, speeds = (size_t)table->speeds;
+    hash = scree_hash_on(hash, table->overlap, overlaps * sizeof(double));
+    hash = scree_hash_on(hash, table->speed, speeds * sizeof(double));
+    return scree_hash_on(hash, table->force, overlaps * speeds * sizeof(double));
+}
+
 static uint64_t print_contacts(const scree_scene *scene) {
     uint64_t hash = scree_hash_start;
     for (int k = 0; k < scene->contacts.rules; k++) {
@@ -110,8 +118,9 @@ static uint64_t print_contacts(const scree_scene *scene) {
         hash = hash_name(hash, scree_normal_laws[rule->normal]->text.name);
         hash = hash_name(hash, rule->friction >= 0 ? scree_friction_laws[rule->friction]->text.name : "");
         HASH_ON(hash, rule->share);
-        HASH_ON(hash, rule->normal_constants);
-        HASH_ON(hash, rule->friction_constants);
+        HASH_ON(hash, rule->normal_constants.c);
+        HASH_ON(hash, rule->friction_constants.c);
+        hash = hash_table(hash, rule->normal_constants.table);
     }
     return hash;
 }

@@ -16,6 +16,7 @@ void scree_scene_destroy(scree_scene *scene) {
     free(scene->material);
     free(scene->motion);
     free(scene->motion_name);
+    for (int k = 0; k < scene->rules; k++) scree_free_rule(&scene->rule[k]);
     free(scene->rule);
     free(scene->def);
     scree_names_free(&scene->names);

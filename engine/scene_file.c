@@ -84,14 +84,91 @@ static void read_law(struct scree_reader *r, const struct scree_toml *table, con
         scree_complain(r, law, "%s needs a law, such as { law = \"linear\", … }; `scree laws` lists them", key);
         return;
     }
+    int measured = strcmp(choice->law, "table") == 0; /* then there are rows or a file, see read_forces */
     for (const struct scree_toml *child = law->first; child && !r->status; child = child->next) {
         if (strcmp(child->key, "law") == 0) continue;
+        if (measured && (strcmp(child->key, "rows") == 0 || strcmp(child->key, "file") == 0)) continue;
         if (choice->settings == SCREE_SETTINGS_MAX) {
             scree_complain(r, child, "no law has more than %d parameters", SCREE_SETTINGS_MAX);
             return;
         }
         choice->setting[choice->settings++] = (scree_setting){child->key, scree_number_of(r, child, child->key)};
     }
+}
+
+/* Measured forces while they are read: rows of overlap, closing speed and force, then the grid that they fill. */
+struct forces {
+    struct scree_table columns;
+    double *speed;
+    double *overlap;
+    scree_force_table grid;
+};
+
+/* The grid of a list of rows: every overlap with every speed, by rising overlap, then speed. */
+static void fill_grid(struct scree_reader *r, const struct scree_toml *node, struct forces *f) {
+    const double *d = scree_table_column(&f->columns, "overlap"), *u = scree_table_column(&f->columns, "closing");
+    const double *force = scree_table_column(&f->columns, "force");
+    size_t rows = f->columns.rows, speeds = 1;
+    while (u && speeds < rows && d[speeds] == d[0]) speeds++;
+    int whole = rows >= 2 * speeds && rows % speeds == 0;
+    for (size_t k = 0; whole && k < rows; k++) whole = d[k] == d[k - k % speeds] && (!u || u[k] == u[k % speeds]);
+    if (!whole) {
+        scree_complain(r, node,
+                       "measured forces must form a grid: every overlap (two at least) with every closing speed, "
+                       "ordered by overlap, then speed");
+        return;
+    }
+    f->overlap = malloc(rows / speeds * sizeof(double));
+    f->speed = malloc(speeds * sizeof(double));
+    if (!f->overlap || !f->speed) {
+        r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a force table");
+        return;
+    }
+    for (size_t k = 0; k < rows / speeds; k++) f->overlap[k] = d[k * speeds];
+    for (size_t k = 0; k < speeds; k++) f->speed[k] = u ? u[k] : 0.0;
+    f->grid = (scree_force_table){(int)(rows / speeds), (int)speeds, f->overlap, f->speed, force};
+}
+
+static void check_force_columns(struct scree_reader *r, const struct scree_toml *file,
+                                const struct scree_table *table) {
+    static const char *const names[] = {"overlap_m", "closing_m_s", "force_N", NULL};
+    int seen[3] = {0};
+    for (int k = 0; k < table->columns; k++) {
+        int found = 0;
+        while (found < 3 && strcmp(table->name[k], names[found]) != 0) found++;
+        if (found == 3 || seen[found]++)
+            scree_complain(r, file,
+                           "a force table has the columns overlap_m, force_N and, if wanted, closing_m_s, not \"%s\"%s",
+                           table->name[k], scree_hint(table->name[k], names).text);
+    }
+    if (!r->status && !(seen[0] && seen[2]))
+        scree_complain(r, file, "a force table needs the columns overlap_m and force_N");
+}
+
+static void read_forces(struct scree_reader *r, const struct scree_toml *law, struct forces *f) {
+    static const char *const two[] = {"overlap", "force", NULL}, *const three[] = {"overlap", "closing", "force", NULL};
+    const struct scree_toml *file = scree_toml_get(law, "file"), *rows = scree_toml_get(law, "rows");
+    if (!file == !rows) {
+        scree_complain(r, law,
+                       "the law \"table\" needs either rows = [[overlap, force], …] (or [[overlap, closing speed, "
+                       "force], …]) or file = \"….csv\"");
+        return;
+    }
+    if (file && !scree_read_string(r, law, "file")) return;
+    int columns = rows && rows->first && rows->first->type == SCREE_TOML_ARRAY ? rows->first->count : 2;
+    char *path = file ? scree_read_table_file(r, file, NULL, &f->columns) : NULL;
+    if (path) check_force_columns(r, file, &f->columns);
+    free(path);
+    if (!file)
+        scree_read_rows(r, rows, columns == 3 ? three : two, 2, "[overlap, force] or [overlap, closing speed, force]",
+                        &f->columns);
+    if (!r->status) fill_grid(r, file ? file : rows, f);
+}
+
+static void free_forces(struct forces *f) {
+    scree_table_free(&f->columns);
+    free(f->speed);
+    free(f->overlap);
 }
 
 static void read_contact(struct scree_reader *r, const struct scree_toml *table) {
@@ -113,21 +190,14 @@ static void read_contact(struct scree_reader *r, const struct scree_toml *table)
                        "shared_by must be a whole number of contacts, at least 1");
     def.shared_by = r->status ? 1 : (int)shared;
     def.none = scree_read_boolean(r, table, "none");
+    struct forces forces = {.speed = NULL};
+    if (!r->status && def.normal.law && strcmp(def.normal.law, "table") == 0) {
+        read_forces(r, scree_toml_get(table, "normal"), &forces);
+        def.table = &forces.grid;
+    }
     if (!r->status) check(r, scree_scene_add_contact(into(r)->scene, &def), table);
+    free_forces(&forces);
 }
-
-/* Path of a file named in the scene: relative to the scene's folder. To be freed. */
-static char *beside_scene(const struct scree_reader *r, const char *file) {
-    const char *slash = strrchr(r->name, '/');
-    size_t folder = slash && file[0] != '/' ? (size_t)(slash - r->name) + 1 : 0;
-    char *path = malloc(folder + strlen(file) + 1);
-    if (!path) return NULL;
-    memcpy(path, r->name, folder);
-    memcpy(path + folder, file, strlen(file) + 1);
-    return path;
-}
-
-enum { LARGEST_TABLE = 1 << 30 };
 
 /* The columns of a motion table, with the names that they may have: the quantity, or the quantity and its unit. */
 static const struct {
@@ -196,53 +266,14 @@ static void check_motion_columns(struct scree_reader *r, const char *path, const
         complain_in_table(r, path, 0, 0, "a motion needs at least 2 rows of numbers, this table has %zu", table->rows);
 }
 
-static void read_table_file(struct scree_reader *r, const struct scree_toml *node, int lift,
-                            struct scree_table *table) {
-    if (!node->string[0] || strcmp(node->string, "-") == 0) {
-        scree_complain(r, node, "file must name a table (standard input can't be one)");
-        return;
-    }
-    char *path = beside_scene(r, node->string);
-    size_t size;
-    char *text = path ? scree_read_file(path, LARGEST_TABLE, &size, r->trouble) : NULL;
-    if (!path) r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
-    if (path && !text) r->status = r->trouble->status;
-    if (text) r->status = scree_table_parse(text, size, path, "time", table, r->trouble);
-    if (!r->status) check_motion_columns(r, path, table, lift);
-    free(text);
-    free(path);
-}
-
-/* rows = [[time, position, …], …] as columns in the order time, position, velocity, acceleration, jerk. */
-static void read_rows(struct scree_reader *r, const struct scree_toml *rows, struct scree_table *table) {
-    static const char *const names[] = {"time", "position", "velocity", "acceleration", "jerk"};
-    int columns = rows->first && rows->first->type == SCREE_TOML_ARRAY ? rows->first->count : 0;
-    if (rows->type != SCREE_TOML_ARRAY || columns < 2 || columns > 5) {
-        scree_complain(
-            r, rows, "rows must be an array of rows [time, position] and, if wanted, velocity, acceleration and jerk");
-        return;
-    }
-    for (int k = 0; k < columns; k++) {
-        table->name[k] = strdup(names[k]);
-        table->column[k] = malloc((size_t)rows->count * sizeof(double));
-        table->columns++;
-        if (!table->name[k] || !table->column[k])
-            r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
-    }
-    for (const struct scree_toml *row = rows->first; row && !r->status; row = row->next) {
-        if (row->type != SCREE_TOML_ARRAY || row->count != columns) {
-            scree_complain(r, row, "this row must have %d numbers like the first", columns);
-            return;
-        }
-        int k = 0;
-        for (const struct scree_toml *cell = row->first; cell; cell = cell->next, k++)
-            table->column[k][table->rows] = scree_number_of(r, cell, names[k]);
-        size_t n = table->rows++;
-        const double *time = table->column[0];
+/* The times of a motion's rows increase. */
+static void check_times(struct scree_reader *r, const struct scree_toml *rows, const struct scree_table *table) {
+    size_t n = 0;
+    const double *time = table->column[0];
+    for (const struct scree_toml *row = rows->first; row && !r->status; row = row->next, n++)
         if (n > 0 && !(time[n] > time[n - 1]))
             scree_complain(r, row, "the times of a motion table must increase: row %zu has %g s after %g s", n + 1,
                            time[n], time[n - 1]);
-    }
 }
 
 static void read_motion_table(struct scree_reader *r, const struct scree_toml *table, scree_motion_def *def,
@@ -259,10 +290,13 @@ static void read_motion_table(struct scree_reader *r, const struct scree_toml *t
     int lift = axis ? scree_choose(r, axis, "axis", axes) : 0;
     if (axis && !file) scree_complain(r, axis, "axis chooses columns of a file; rows have one axis");
     if (r->status) return;
-    if (file)
-        read_table_file(r, file, lift, columns);
-    else
-        read_rows(r, rows, columns);
+    char *path = file ? scree_read_table_file(r, file, "time", columns) : NULL;
+    if (path) check_motion_columns(r, path, columns, lift);
+    free(path);
+    static const char *const names[] = {"time", "position", "velocity", "acceleration", "jerk", NULL};
+    if (!file)
+        scree_read_rows(r, rows, names, 2, "[time, position] and, if wanted, velocity, acceleration and jerk", columns);
+    if (!file && !r->status) check_times(r, rows, columns);
     if (r->status) return;
     def->rows = columns->rows;
     def->times = scree_table_column(columns, "time");

@@ -418,7 +418,10 @@ static void test_loop_equals_laws(void) {
         "law = \"linear-loading\", stiffness = 1e4, restitution = 0.5",
         "law = \"blend\", stiffness = 1e6, exponent = 1.37, damping = 2.0, full = 5e-4",
         "law = \"hunt-crossley\", stiffness = 1e6, factor = 0.5",
-        "law = \"impact\", stiffness = 1e6, exponent = 1.5, damping = 2.0, full = 5e-4"};
+        "law = \"impact\", stiffness = 1e6, exponent = 1.5, damping = 2.0, full = 5e-4",
+        "law = \"table\", rows = [[0, -1, -0.5], [0, 0, 0], [0, 1, 0.5], [1e-4, -1, 0], [1e-4, 0, 1], [1e-4, 1, 3], "
+        "[1e-3, -1, "
+        "10], [1e-3, 0, 20], [1e-3, 1, 40]]"};
     static const char *const frictions[] = {
         NULL,
         "law = \"ramp\", kinetic = 0.3, threshold = 0.01",

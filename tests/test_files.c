@@ -530,6 +530,52 @@ static void test_locale(void) {
     setlocale(LC_ALL, "C");
 }
 
+/* ---- measured forces ---- */
+
+static scree_status read_forces(const char *rest, scree_trouble *trouble, double *force) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "[time]\nend = 1.0\nstep = 1e-5\n[[material]]\nname = \"m\"\ndensity = 1000\n"
+             "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"table\"%s }\n"
+             "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+             "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\nposition = [0, 0, 0.00995]\n",
+             rest);
+    scree_scene *scene = NULL;
+    struct scree_run_request request;
+    scree_status status = scree_read_scene(text, strlen(text), "t.toml", NULL, 0, 0, &scene, &request, trouble);
+    scree_contact_state contact;
+    int count = 0;
+    if (!status) CHECK(scree_scene_contacts(scene, &contact, 1, &count) == SCREE_OK && count == 1);
+    if (!status) *force = contact.normal_force;
+    scree_scene_destroy(scene);
+    scree_free_request(&request);
+    return status;
+}
+
+static void test_force_tables(void) {
+    scree_trouble trouble;
+    double force = 0.0;
+    CHECK(read_forces(", rows = [[0, 0], [1e-4, 4.0]]", &trouble, &force) == SCREE_OK);
+    NEAR(force, 2.0, 1e-12); /* an overlap of 50 um, given to 1e-18 m of 1e-2 */
+    CHECK(read_forces(", rows = [[0, 0, 0], [0, 1, 1], [1e-4, 0, 6.0], [1e-4, 1, 9]]", &trouble, &force) == SCREE_OK);
+    NEAR(force, 3.0, 1e-12);
+    static const char *const bad[][2] = {
+        {"", "needs either rows"},
+        {", rows = [[0, 0], [1e-4, 4.0]], file = \"x.csv\"", "needs either rows"},
+        {", rows = [[0, 0]]", "must form a grid"},
+        {", rows = [[0, 0, 0], [0, 1, 1], [1e-4, 0, 6.0]]", "must form a grid"},
+        {", rows = [[0, 0], [1e-4]]", "must have 2 numbers"},
+        {", rows = [[0, 1], [1e-4, 4]]", "must begin at overlap 0"},
+        {", rows = [[0, 0], [1e-4, 4], [1e-4, 5]]", "must rise"},
+        {", file = \"missing.csv\"", "No such file"},
+        {", rows = [[0, 0], [1e-4, 4]], stiffness = 3.0", "no parameter \"stiffness\""},
+    };
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        CHECK(read_forces(bad[k][0], &trouble, &force) == SCREE_BAD_INPUT || trouble.status == SCREE_NO_FILE);
+        CONTAINS(trouble.text, bad[k][1]);
+    }
+}
+
 int main(void) {
     test_accepted();
     test_refused();
@@ -542,5 +588,6 @@ int main(void) {
     test_messages();
     test_file_and_c();
     test_locale();
+    test_force_tables();
     return check_report();
 }

@@ -205,6 +205,44 @@ static void test_energy(void) {
     }
 }
 
+/* ---- measured forces ---- */
+
+static void test_table(void) {
+    static const double overlaps[] = {0.0, 1e-4, 1e-3}, speeds[] = {-1.0, 0.0, 2.0};
+    double forces[9] = {-1.0, 0.0, 4.0, 3.0, 10.0, 30.0, 50.0, 100.0, 140.0};
+    scree_force_table table = {3, 3, overlaps, speeds, forces};
+    scree_contact_def def = {.normal = {.law = "table"}, .table = &table, .shared_by = 2};
+    struct scree_rule rule;
+    scree_trouble trouble = {0};
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_OK);
+    const struct scree_normal_law *law = scree_normal_laws[rule.normal];
+    const struct scree_law_constants *constants = &rule.normal_constants;
+    /* Half of each, for two contacts share a load; straight between the points. */
+    struct scree_normal_force f = law->force(constants, no_pair, press(1e-4, 0.0));
+    CHECK(f.elastic == 5.0 && f.damping == 0.0);
+    f = law->force(constants, no_pair, press(5.5e-4, 1.0)); /* half-way up: 55 at rest, 85 at 2 m/s */
+    NEAR(f.elastic, 27.5, 1e-14);
+    NEAR(f.elastic + f.damping, 35.0, 1e-14);
+    f = law->force(constants, no_pair, press(5.5e-4, 9.0)); /* beyond the speeds as at the last */
+    NEAR(f.elastic + 9.0 * f.damping, 42.5, 1e-13);
+    f = law->force(constants, no_pair, press(2e-3, -0.5)); /* beyond the overlaps as steep as before */
+    NEAR(f.elastic, 100.0, 1e-12);
+    NEAR(law->stored(constants, no_pair, press(1e-3, 0.0)), 0.5 * (1e-4 * 5.0 + 9e-4 * 55.0), 1e-16);
+    scree_free_rule(&rule);
+
+    forces[5] = 9.0; /* less than at rest though approaching */
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "would give energy");
+    forces[5] = NAN;
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_BAD_INPUT);
+    def.normal.law = "linear";
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_BAD_INPUT);
+    def.normal.law = "table";
+    def.table = NULL;
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "rows");
+}
+
 /* ---- friction ---- */
 
 static struct scree_rule make_friction(scree_law_choice choice, const struct scree_friction_law **law) {
@@ -398,6 +436,7 @@ int main(void) {
     test_energy();
     test_friction_values();
     test_creep();
+    test_table();
     test_coulomb();
     test_coulomb_takes_energy();
     test_refusals();

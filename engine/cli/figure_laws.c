@@ -19,6 +19,9 @@ static const struct {
     {"blend", "stiffness=1e5, damping=65.4, full=2e-4"},
     {"hunt-crossley", "stiffness=5e6, restitution=0.5, speed=1.0"},
     {"impact", "stiffness=1e5, exponent=1.0, damping=30.0, full=2e-4"},
+    {"table",
+     "rows=[[0, -1, 0], [0, 0, 0], [0, 1, 20], [1e-4, -1, 2], [1e-4, 0, 6], [1e-4, 1, 26], [1e-3, -1, 60], [1e-3, 0, "
+     "100], [1e-3, 1, 120]]"},
 };
 
 static const char *settings_of(const char *law) {
