@@ -49,6 +49,11 @@ static inline struct scree_tangential friction_coulomb_force(const struct scree_
     /* Two implicit half steps of k s + c s' = -F: what the spring keeps of its stretch, and what it takes on. */
     double lag = c / (c + at.half * k + SCREE_NO_SPEED), keeps = lag * lag;
     struct vec slid = vec_axpy(vec_scale(keeps, at.stretch), (keeps - 1.0) / k, force);
+    /* The force is of the middle of the step. While the slip loads the spring, the slider takes the other half of it; a spring that
+     * unloads goes on unloading. Were that left out, it would seem to do so at half its speed, go on sliding under a falling load
+     * where it ought to hold, and push the bodies with energy that it hasn't got. */
+    double unloads = vec_dot(force, at.velocity) > 0.0 ? (1.0 - keeps) * at.half : 0.0;
+    slid = vec_axpy(slid, unloads, at.velocity);
     struct vec stuck = vec_axpy(middle, at.half, at.velocity);
     struct vec stretch = slides ? slid : stuck;
     return (struct scree_tangential){force, stretch, slides ? 1.0 : 0.0};

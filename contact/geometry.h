@@ -101,8 +101,32 @@ static inline struct scree_meeting scree_meet_box(struct vec centre, double radi
     return (struct scree_meeting){vec_scale(side, frame->column[k]), radius + rounding + half[k] - side * along};
 }
 
-/* How deep two rounded boxes are in each other: the least of their overlaps along the directions that could separate them
- * (Gottschalk, Lin & Manocha 1996); 0 where one does. */
+/* The point of a box's core, centred at `centre`, that is nearest to `point`. */
+static inline struct vec scree_nearest_in_box(struct vec centre, const struct scree_attitude *box, struct vec point) {
+    struct vec p = mat_undo(&box->frame, vec_sub(point, centre));
+    const double *h = box->half;
+    struct vec inside = vec(fmin(fmax(p.x, -h[0]), h[0]), fmin(fmax(p.y, -h[1]), h[1]), fmin(fmax(p.z, -h[2]), h[2]));
+    return vec_add(centre, mat_apply(&box->frame, inside));
+}
+
+/* Distance of two cores, by projecting to and fro (Cheney & Goldstein 1959): from above, and close after some rounds. */
+static inline double scree_cores_distance(struct vec apart, const struct scree_attitude *a,
+                                          const struct scree_attitude *b) {
+    struct vec origin = {0.0, 0.0, 0.0}, on_a = apart, on_b = origin;
+    double distance = HUGE_VAL;
+    for (int k = 0; k < 100; k++) {
+        double before = distance;
+        on_b = scree_nearest_in_box(origin, b, on_a);
+        on_a = scree_nearest_in_box(apart, a, on_b);
+        distance = vec_norm(vec_sub(on_a, on_b));
+        if (!(distance < before * (1.0 - 1e-6))) break;
+    }
+    return distance;
+}
+
+/* How deep two rounded boxes are in each other; 0 where they aren't. Cores that overlap: the least of the overlaps along the
+ * directions that could separate them (Gottschalk, Lin & Manocha 1996). Cores apart: what the roundings overlap, which no such
+ * direction tells where corner is next to corner. */
 static inline double scree_boxes_depth(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b,
                                        double roundings) {
     double least = HUGE_VAL;
@@ -116,6 +140,7 @@ static inline double scree_boxes_depth(struct vec apart, const struct scree_atti
         double depth = scree_box_reach(direction, a) + scree_box_reach(direction, b) + roundings;
         least = fmin(least, depth - fabs(vec_dot(direction, apart)));
     }
+    if (least > 0.0 && least < roundings) least = roundings - scree_cores_distance(apart, a, b);
     return fmax(least, 0.0);
 }
 

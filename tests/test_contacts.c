@@ -104,19 +104,23 @@ static void test_corners(void) {
 /* Depth of two boxes against a search: the shortest way that takes them apart, tried in many directions. */
 static void test_boxes_depth(void) {
     uint64_t seed = 9;
-    for (int k = 0; k < 200; k++) {
+    int apart_by_corners = 0;
+    for (int k = 0; k < 400; k++) {
+        double roundings = k % 2 ? 0.3 : 0.0;
         struct scree_attitude a = {.frame = quat_to_mat(random_attitude(&seed)), .half = {0.3, 0.2, 0.1}};
         struct scree_attitude b = {.frame = quat_to_mat(random_attitude(&seed)), .half = {0.1, 0.15, 0.25}};
-        struct vec apart = random_vec(&seed, 0.4);
-        double depth = scree_boxes_depth(apart, &a, &b, 0.0), least = HUGE_VAL;
+        struct vec apart = random_vec(&seed, roundings > 0.0 ? 0.8 : 0.4);
+        double depth = scree_boxes_depth(apart, &a, &b, roundings), least = HUGE_VAL;
         for (int trial = 0; trial < 20000; trial++) {
             struct vec n = vec_sub(random_vec(&seed, 1.0), random_vec(&seed, 1.0));
             n = vec_scale(1.0 / vec_norm(n), n);
-            least = fmin(least, scree_box_reach(n, &a) + scree_box_reach(n, &b) - fabs(vec_dot(n, apart)));
+            least = fmin(least, scree_box_reach(n, &a) + scree_box_reach(n, &b) + roundings - fabs(vec_dot(n, apart)));
         }
+        apart_by_corners += roundings > 0.0 && depth > 0.0 && depth < roundings;
         /* Nearest of 20000 directions: within some 2 degrees, 1e-2 of boxes' 0.7 m across. */
         CHECK(depth <= fmax(least, 0.0) + 1e-14 && depth >= least - 0.015);
     }
+    CHECK(apart_by_corners > 50);
 }
 
 /* ---- a crowd: spheres and boxes thrown into a room ---- */

@@ -134,8 +134,9 @@ static int probe_clearance(void *context, const double conditions[SCREE_CONDITIO
 
 static void add_sensitivities(const struct transport_file *f, struct speed *s) {
     for (int c = 0; c < SCREE_CONDITIONS; c++) s->by[c].clearance = NAN;
+    scree_outcome by[SCREE_CONDITIONS];
     if (!f->modelled) {
-        scree_rigid_sensitivities(&f->task, &s->plan, s->by);
+        if (!scree_rigid_sensitivities(&f->task, &s->plan, by)) memcpy(s->by, by, sizeof by);
         return;
     }
     const struct process *m = &f->process;
@@ -148,7 +149,6 @@ static void add_sensitivities(const struct transport_file *f, struct speed *s) {
                                               m->tine_restitution};
     for (int c = 0; c < SCREE_CONDITIONS; c++) {
         double at[SCREE_CONDITIONS], step[SCREE_CONDITIONS] = {0.0};
-        scree_outcome by[SCREE_CONDITIONS];
         memcpy(at, working, sizeof at);
         step[c] = steps[c];
         /* Central about the working point; where that is a bound, about the nearest point that leaves room. */
