@@ -23,6 +23,25 @@ static const struct {
     {"hertz", "stiffness=5e6", 0},
     {"tsuji", "stiffness=5e6, restitution=0.5", 1},
     {"tsuji-cut", "stiffness=5e6, restitution=0.5", 1},
+    {"matched", "stiffness=5e6, exponent=1.5, restitution=0.5", 1},
+    {"matched-cut", "stiffness=1e7, exponent=2.0, restitution=0.5", 1},
+    {"kuwabara-kono", "stiffness=5e6, restitution=0.5, speed=1.0", 1},
+    {"kuwabara-kono-cut", "stiffness=5e6, restitution=0.5, speed=1.0", 1},
+    {"hunt-crossley-1975", "stiffness=5e6, restitution=0.5", 0},
+    {"herbert-mcwhannell", "stiffness=5e6, restitution=0.5", 0},
+    {"lee-wang", "stiffness=5e6, restitution=0.5", 0},
+    {"lankarani-nikravesh", "stiffness=5e6, restitution=0.5", 0},
+    {"gonthier", "stiffness=5e6, restitution=0.5", 0},
+    {"zhiying-qishao", "stiffness=5e6, restitution=0.5", 0},
+    {"flores", "stiffness=5e6, restitution=0.5", 0},
+    {"hu-guo", "stiffness=5e6, restitution=0.5", 0},
+    {"jankowski", "stiffness=5e6, restitution=0.5", 1},
+    {"anagnostopoulos", "stiffness=1e5, restitution=0.5", 0},
+    {"walton-braun", "stiffness=1e5, restitution=0.5", 0},
+    {"walton-braun-variable", "stiffness=1e5, restitution=0.5, speed=1.0", 0},
+    {"thornton", "modulus=3e7, yield=3e6", 0},
+    {"jkr", "modulus=3e7, adhesion=20.0", 0},
+    {"dmt", "stiffness=5e6, adhesion=20.0", 0},
 };
 
 /* Place of the law in the table above, -1 if it isn't there. */
@@ -63,6 +82,7 @@ static scree_status run_loop(struct figures *figures, const char *law, const cha
         if (!status) status = loop_sample(scene, first_tine, &overlap, &force);
         /* A dashpot's force jumps at the first and the last touch: there the strip is a rectangle, not a trapezium. */
         double mean = k == 0 ? force : overlap == 0.0 ? force_before : 0.5 * (force + force_before);
+        if (overlap == 0.0 && before < 0.0) mean = 0.0; /* pulled apart: it has let go where it was */
         *area += mean * (overlap - before);
         before = overlap;
         force_before = force;
