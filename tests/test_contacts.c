@@ -425,7 +425,29 @@ static void test_loop_equals_laws(void) {
         "law = \"impact\", stiffness = 1e6, exponent = 1.5, damping = 2.0, full = 5e-4",
         "law = \"table\", rows = [[0, -1, -0.5], [0, 0, 0], [0, 1, 0.5], [1e-4, -1, 0], [1e-4, 0, 1], [1e-4, 1, 3], "
         "[1e-3, -1, "
-        "10], [1e-3, 0, 20], [1e-3, 1, 40]]"};
+        "10], [1e-3, 0, 20], [1e-3, 1, 40]]",
+        "law = \"hertz\", modulus = 1e7",
+        "law = \"tsuji\", modulus = 1e7, restitution = 0.5",
+        "law = \"tsuji-cut\", stiffness = 1e6, alpha = 0.3",
+        "law = \"matched\", stiffness = 1e6, exponent = 2.0, restitution = 0.5",
+        "law = \"matched-cut\", stiffness = 1e6, exponent = 1.5, alpha = 0.5",
+        "law = \"kuwabara-kono\", modulus = 1e7, relaxation = 1e-4",
+        "law = \"kuwabara-kono-cut\", modulus = 1e7, restitution = 0.7, speed = 0.3",
+        "law = \"hunt-crossley-1975\", stiffness = 1e6, restitution = 0.2",
+        "law = \"herbert-mcwhannell\", stiffness = 1e6, restitution = 0.3, calibrated = 1",
+        "law = \"lee-wang\", stiffness = 1e6, restitution = 0.4",
+        "law = \"lankarani-nikravesh\", stiffness = 1e6, restitution = 0.5, calibrated = 1",
+        "law = \"gonthier\", stiffness = 1e6, restitution = 0.6",
+        "law = \"zhiying-qishao\", stiffness = 1e6, restitution = 0.7, calibrated = 1",
+        "law = \"flores\", stiffness = 1e6, restitution = 0.8",
+        "law = \"hu-guo\", stiffness = 1e6, restitution = 0.9, calibrated = 1",
+        "law = \"jankowski\", modulus = 1e7, restitution = 0.5",
+        "law = \"anagnostopoulos\", stiffness = 1e4, restitution = 0.5",
+        "law = \"walton-braun\", stiffness = 1e4, restitution = 0.5",
+        "law = \"walton-braun-variable\", stiffness = 1e4, restitution = 0.5, speed = 0.3",
+        "law = \"thornton\", modulus = 1e7, yield = 1e6",
+        "law = \"jkr\", modulus = 1e7, adhesion = 1.0",
+        "law = \"dmt\", modulus = 1e7, adhesion = 1.0"};
     static const char *const frictions[] = {
         NULL,
         "law = \"ramp\", kinetic = 0.3, threshold = 0.01",
