@@ -72,6 +72,22 @@ static int find_parameter(const struct scree_law_text *text, const char *name) {
     return -1;
 }
 
+scree_law_choice scree_example(const struct scree_law_text *text) {
+    scree_law_choice choice = {.law = text->name};
+    const char *rest = text->example;
+    while (rest && choice.settings < SCREE_SETTINGS_MAX) {
+        char name[40];
+        double value;
+        if (sscanf(rest, " %39[a-z_] = %lf", name, &value) != 2) break;
+        int index = find_parameter(text, name);
+        if (index < 0) break;
+        choice.setting[choice.settings++] = (scree_setting){text->parameters[index].name, value};
+        rest = strchr(rest, ',');
+        if (rest) rest++;
+    }
+    return choice;
+}
+
 static scree_status read_settings(const struct scree_law_text *text, const scree_law_choice *choice,
                                   struct scree_values *values, scree_trouble *trouble) {
     if (choice->settings < 0 || choice->settings > SCREE_SETTINGS_MAX)
@@ -233,6 +249,26 @@ static double coefficient_at(const struct scree_friction_law *law, const struct 
                              double speed) {
     struct scree_sliding at = {.normal = 1.0, .velocity = {speed, 0.0, 0.0}};
     return -law->force(constants, (struct scree_pair_constants){{0.0}}, at).force.x;
+}
+
+double scree_largest_coefficient(const struct scree_friction_law *law, const struct scree_law_constants *constants) {
+    const double pace = 1.01, from = 1e-3 / law->slope(constants);
+    double speed = from, largest = 0.0;
+    for (; speed < 1e7 * from; speed *= pace) {
+        double next = coefficient_at(law, constants, speed);
+        if (next < largest) break;
+        largest = next;
+    }
+    /* The top is within a pace of the last but one speed: a search by thirds. */
+    double low = speed / (pace * pace), high = speed;
+    for (int k = 0; k < 200; k++) {
+        double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+        if (coefficient_at(law, constants, a) < coefficient_at(law, constants, b))
+            low = a;
+        else
+            high = b;
+    }
+    return fmax(largest, coefficient_at(law, constants, high));
 }
 
 double scree_creep_speed(const struct scree_friction_law *law, const struct scree_law_constants *constants,

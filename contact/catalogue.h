@@ -36,6 +36,10 @@ struct scree_elastic scree_elastic_of(const double young[2], const double poisso
 scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
                              scree_trouble *trouble);
 
+/* The example of a law's description as a choice of that law (the process must write numbers as the C locale does). The names are the
+ * description's own. */
+scree_law_choice scree_example(const struct scree_law_text *text);
+
 /* "> 0", "0 … 1" and so on, for people. */
 const char *scree_range_text(enum scree_range range);
 
@@ -43,5 +47,9 @@ const char *scree_range_text(enum scree_range range);
  * a body that should rest, m/s. 0 for laws that stick, HUGE_VAL if the law can't hold that load. */
 double scree_creep_speed(const struct scree_friction_law *law, const struct scree_law_constants *constants,
                          double load_over_normal);
+
+/* The coefficient at its first top as speed rises: the largest load/normal force that such a law holds at a creep. A viscous part that
+ * has no top counts up to 1e4 times the speed at which the ramp would reach 1. */
+double scree_largest_coefficient(const struct scree_friction_law *law, const struct scree_law_constants *constants);
 
 #endif

@@ -67,6 +67,7 @@ static const struct scree_friction_law scree_friction_coulomb = {
              .note = "Truly sticks: no creep. Without a dashpot a load that is put on at once makes the "
                      "friction force overshoot "
                      "to twice its resting value.",
+             .example = "static = 0.4, kinetic = 0.3, stiffness = 4e4",
              .parameters = coulomb_parameters},
     .memory = 1,
     .bake = friction_coulomb_bake,

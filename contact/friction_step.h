@@ -48,6 +48,7 @@ static const struct scree_friction_law scree_friction_step = {
              .source = "MSC Adams/Solver, CONTACT statement, Coulomb friction",
              .note = "Smooth. Creeps at rest: under a share r < 1 of the largest friction force at 2 v_s "
                      "sin(arcsin(r)/3).",
+             .example = "static = 0.4, kinetic = 0.3, stiction_speed = 1e-3, sliding_speed = 2e-3",
              .parameters = step_parameters},
     .bake = friction_step_bake,
     .force = friction_step_force,

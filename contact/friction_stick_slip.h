@@ -43,6 +43,7 @@ static const struct scree_friction_law scree_friction_stick_slip = {
              .source = "Simscape Multibody Contact Forces Library, Stick-Slip Continuous; Troll et al., Adv. "
                        "Mech. Eng. (2018)",
              .note = "Creeps at rest: on an incline at v = v_th tan(angle)/mu_s.",
+             .example = "static = 0.4, kinetic = 0.3, threshold = 1e-3",
              .parameters = stick_slip_parameters},
     .bake = friction_stick_slip_bake,
     .force = friction_stick_slip_force,

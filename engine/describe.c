@@ -26,12 +26,7 @@ static struct scree_shown body_name(const scree_scene *scene, int index) {
 
 static void describe_creep(const struct scree_friction_law *law, const struct scree_law_constants *constants,
                            FILE *file) {
-    /* The largest coefficient: walk up the ramp until the law holds no more. */
-    double largest = 0.0;
-    for (int k = 1; k <= 4000; k++) {
-        struct scree_sliding at = {.normal = 1.0, .velocity = {k * 1e-3 / law->slope(constants), 0.0, 0.0}};
-        largest = fmax(largest, -law->force(constants, (struct scree_pair_constants){{0.0}}, at).force.x);
-    }
+    double largest = scree_largest_coefficient(law, constants);
     fprintf(file,
             "    has no true rest: creeps at %.4g m/s under half and %.4g m/s under 0.9 of the largest "
             "friction force\n",
@@ -50,7 +45,7 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
             friction ? friction->text.name : "frictionless");
     if (rule->share > 1.0) fprintf(file, ", stiffness and damping shared by %g contacts", rule->share);
     fprintf(file, "\n");
-    if (friction && friction->slope(&rule->friction_constants) > 0.0)
+    if (friction && !friction->memory && friction->slope(&rule->friction_constants) > 0.0)
         describe_creep(friction, &rule->friction_constants, file);
 }
 

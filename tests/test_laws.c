@@ -377,13 +377,13 @@ static void test_refusals(void) {
 static void test_descriptions(void) {
     for (int l = 0; scree_normal_laws[l]; l++) {
         const struct scree_normal_law *law = scree_normal_laws[l];
-        CHECK(law->text.formula && law->text.source && law->text.note && law->text.parameters);
+        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
         CHECK(law->bake && law->pair && law->force && law->stored);
         CHECK(scree_find_normal_law(law->text.name) == l && scree_find_friction_law(law->text.name) == -1);
     }
     for (int l = 0; scree_friction_laws[l]; l++) {
         const struct scree_friction_law *law = scree_friction_laws[l];
-        CHECK(law->text.formula && law->text.source && law->text.note && law->text.parameters);
+        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
         CHECK(law->bake && law->force && law->stored && law->slope && law->stiffness && law->damping);
         CHECK(scree_find_friction_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1);
     }

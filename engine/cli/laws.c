@@ -22,15 +22,16 @@ static void print_text(const struct scree_law_text *text, const char *kind, int 
         if (p->optional && !isnan(p->fallback)) printf("; %g if not given", p->fallback);
         printf("\n");
     }
+    if (text->example) printf("  example: { law = \"%s\", %s }\n", text->name, text->example);
 }
 
 static void print_list(void) {
     printf("normal laws\n");
     for (int k = 0; scree_normal_laws[k]; k++)
-        printf("  %-16s %s\n", scree_normal_laws[k]->text.name, scree_normal_laws[k]->text.formula);
+        printf("  %-20s %s\n", scree_normal_laws[k]->text.name, scree_normal_laws[k]->text.formula);
     printf("friction laws\n");
     for (int k = 0; scree_friction_laws[k]; k++)
-        printf("  %-16s %s\n", scree_friction_laws[k]->text.name, scree_friction_laws[k]->text.formula);
+        printf("  %-20s %s\n", scree_friction_laws[k]->text.name, scree_friction_laws[k]->text.formula);
     printf("`scree laws NAME` tells more.\n");
 }
 
