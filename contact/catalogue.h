@@ -8,6 +8,7 @@
 /* Laws in the order of the lists in contact/meson.build; NULL at the end. */
 extern const struct scree_normal_law *const scree_normal_laws[];
 extern const struct scree_friction_law *const scree_friction_laws[];
+extern const struct scree_rolling_law *const scree_rolling_laws[];
 
 /* The laws of one pair of materials, ready for use. */
 struct scree_rule {
@@ -15,13 +16,15 @@ struct scree_rule {
     int touches;  /* 0: the materials pass through each other */
     int normal;   /* index in scree_normal_laws */
     int friction; /* index in scree_friction_laws, -1 for none */
+    int rolling;  /* index in scree_rolling_laws, -1 for none */
     double share; /* contacts that share one load */
-    struct scree_law_constants normal_constants, friction_constants;
+    struct scree_law_constants normal_constants, friction_constants, rolling_constants;
 };
 
 /* Index of the law called `name`, -1 if there is none. */
 int scree_find_normal_law(const char *name);
 int scree_find_friction_law(const char *name);
+int scree_find_rolling_law(const char *name);
 
 /* What the two materials of a contact are made of: effective moduli, Pa; 0 where they don't say. */
 struct scree_elastic {

@@ -43,6 +43,7 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
     const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
     fprintf(file, "%s, %s", scree_normal_laws[rule->normal]->text.name,
             friction ? friction->text.name : "frictionless");
+    if (rule->rolling >= 0) fprintf(file, ", rolling %s", scree_rolling_laws[rule->rolling]->text.name);
     if (rule->share > 1.0) fprintf(file, ", stiffness and damping shared by %g contacts", rule->share);
     fprintf(file, "\n");
     if (friction && !friction->memory && friction->slope(&rule->friction_constants) > 0.0)
@@ -89,22 +90,24 @@ static void describe_step(const scree_scene *scene, FILE *file) {
 
 static void describe_stages(const scree_scene *scene, FILE *file) {
     const struct scree_contacts *contacts = &scene->contacts;
-    int memory = 0, friction = 0, frictionless = 0, regularised = 0;
+    int memory = 0, friction = 0, frictionless = 0, regularised = 0, rolling = 0;
     for (int k = 0; k < contacts->rules; k++) {
         const struct scree_rule *rule = &contacts->rule[k];
         const struct scree_friction_law *law = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
         friction += law != NULL;
         frictionless += rule->touches && !law;
         memory += law && law->memory;
+        rolling += rule->rolling >= 0;
         regularised += law && law->slope(&rule->friction_constants) > 0.0;
     }
-    fprintf(file, "runs each step: look ahead, gather, normal law%s%s, impulses, advance%s\n",
-            friction ? ", friction law" : "", memory ? " with memory" : "", scene->time.energy ? ", energy books" : "");
+    fprintf(file, "runs each step: look ahead, gather, normal law%s%s%s, impulses, advance%s\n",
+            friction ? ", friction law" : "", memory ? " with memory" : "", rolling ? ", rolling law" : "",
+            scene->time.energy ? ", energy books" : "");
     fprintf(file, "skipped:\n  search for contacts, until a body has moved %.3g m\n", 0.5 * contacts->skin);
     if (frictionless)
         fprintf(file, "  friction in %d kind%s of contact: frictionless\n", frictionless, frictionless > 1 ? "s" : "");
     if (!memory) fprintf(file, "  contact memory: no law keeps any\n");
-    if (!friction && scene->plan.general == 0)
+    if (!friction && !rolling && scene->plan.general == 0)
         fprintf(file, "  torques and spins: nothing turns frictionless spheres\n");
     if (scene->plan.balls)
         fprintf(file, "  attitudes of %d free spheres: no contact depends on them\n", scene->plan.balls);

@@ -387,6 +387,13 @@ static void test_descriptions(void) {
         CHECK(law->bake && law->force && law->stored && law->slope && law->stiffness && law->damping);
         CHECK(scree_find_friction_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1);
     }
+    for (int l = 0; scree_rolling_laws[l]; l++) {
+        const struct scree_rolling_law *law = scree_rolling_laws[l];
+        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
+        CHECK(law->bake && law->resist && law->slope && law->stiffness && law->damping);
+        CHECK(scree_find_rolling_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1 &&
+              scree_find_friction_law(law->text.name) == -1);
+    }
 }
 
 int main(void) {
