@@ -15,6 +15,9 @@ const struct scree_normal_law *const scree_normal_laws[] = {SCREE_NORMAL_LAWS(EN
 #define ENTRY(word) &scree_friction_##word,
 const struct scree_friction_law *const scree_friction_laws[] = {SCREE_FRICTION_LAWS(ENTRY) NULL};
 #undef ENTRY
+#define ENTRY(word) &scree_rolling_##word,
+const struct scree_rolling_law *const scree_rolling_laws[] = {SCREE_ROLLING_LAWS(ENTRY) NULL};
+#undef ENTRY
 
 enum { MOST_LAWS = 64 };
 
@@ -27,6 +30,12 @@ int scree_find_normal_law(const char *name) {
 int scree_find_friction_law(const char *name) {
     for (int k = 0; scree_friction_laws[k]; k++)
         if (strcmp(scree_friction_laws[k]->text.name, name) == 0) return k;
+    return -1;
+}
+
+int scree_find_rolling_law(const char *name) {
+    for (int k = 0; scree_rolling_laws[k]; k++)
+        if (strcmp(scree_rolling_laws[k]->text.name, name) == 0) return k;
     return -1;
 }
 
@@ -76,6 +85,22 @@ static int find_parameter(const struct scree_law_text *text, const char *name) {
     for (int k = 0; text->parameters[k].name; k++)
         if (strcmp(text->parameters[k].name, name) == 0) return k;
     return -1;
+}
+
+scree_law_choice scree_example(const struct scree_law_text *text) {
+    scree_law_choice choice = {.law = text->name};
+    const char *rest = text->example;
+    while (rest && choice.settings < SCREE_SETTINGS_MAX) {
+        char name[40];
+        double value;
+        if (sscanf(rest, " %39[a-z_] = %lf", name, &value) != 2) break;
+        int index = find_parameter(text, name);
+        if (index < 0) break;
+        choice.setting[choice.settings++] = (scree_setting){text->parameters[index].name, value};
+        rest = strchr(rest, ',');
+        if (rest) rest++;
+    }
+    return choice;
 }
 
 static scree_status read_settings(const struct scree_law_text *text, const scree_law_choice *choice,
@@ -243,6 +268,22 @@ static scree_status bake_friction(const scree_law_choice *choice, const struct s
     return status ? status : law->bake(&values, &rule->friction_constants, trouble);
 }
 
+static scree_status bake_rolling(const scree_law_choice *choice, const struct scree_elastic *elastic,
+                                 struct scree_rule *rule, scree_trouble *trouble) {
+    rule->rolling = scree_find_rolling_law(choice->law);
+    if (rule->rolling < 0) {
+        const char *names[MOST_LAWS] = {0};
+        for (int k = 0; scree_rolling_laws[k]; k++) names[k] = scree_rolling_laws[k]->text.name;
+        return unknown_law(choice->law, "rolling", names, trouble);
+    }
+    struct scree_values values;
+    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
+    scree_status status = read_values(&law->text, choice, elastic, rule->share, &values, trouble);
+    return status ? status : law->bake(&values, &rule->rolling_constants, trouble);
+}
+
+static int is_chosen(const scree_law_choice *choice) { return choice->law && choice->law[0]; }
+
 /* Say in which part of the definition the field of the trouble stands. */
 static scree_status within(const char *part, scree_status status, scree_trouble *trouble) {
     if (!status || !trouble) return status;
@@ -255,13 +296,17 @@ static scree_status within(const char *part, scree_status status, scree_trouble 
 static scree_status bake_laws(const scree_contact_def *def, const struct scree_elastic *elastic,
                               struct scree_rule *rule, scree_trouble *trouble) {
     scree_status status = within("normal", bake_normal(&def->normal, elastic, rule, trouble), trouble);
-    if (status || !def->friction.law || !def->friction.law[0]) return status;
-    return within("friction", bake_friction(&def->friction, elastic, rule, trouble), trouble);
+    if (!status && is_chosen(&def->friction))
+        status = within("friction", bake_friction(&def->friction, elastic, rule, trouble), trouble);
+    if (!status && is_chosen(&def->rolling))
+        status = within("rolling", bake_rolling(&def->rolling, elastic, rule, trouble), trouble);
+    return status;
 }
 
 scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
                              scree_trouble *trouble) {
-    *rule = (struct scree_rule){.material = {def->between[0], def->between[1]}, .friction = -1, .share = 1.0};
+    *rule = (struct scree_rule){
+        .material = {def->between[0], def->between[1]}, .friction = -1, .rolling = -1, .share = 1.0};
     rule->touches = !def->none;
     if (def->none) return SCREE_OK;
     if (def->shared_by < 0)
@@ -284,6 +329,26 @@ static double coefficient_at(const struct scree_friction_law *law, const struct 
                              double speed) {
     struct scree_sliding at = {.normal = 1.0, .velocity = {speed, 0.0, 0.0}};
     return -law->force(constants, (struct scree_pair_constants){{0.0}}, at).force.x;
+}
+
+double scree_largest_coefficient(const struct scree_friction_law *law, const struct scree_law_constants *constants) {
+    const double pace = 1.01, from = 1e-3 / law->slope(constants);
+    double speed = from, largest = 0.0;
+    for (; speed < 1e7 * from; speed *= pace) {
+        double next = coefficient_at(law, constants, speed);
+        if (next < largest) break;
+        largest = next;
+    }
+    /* The top is within a pace of the last but one speed: a search by thirds. */
+    double low = speed / (pace * pace), high = speed;
+    for (int k = 0; k < 200; k++) {
+        double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+        if (coefficient_at(law, constants, a) < coefficient_at(law, constants, b))
+            low = a;
+        else
+            high = b;
+    }
+    return fmax(largest, coefficient_at(law, constants, high));
 }
 
 double scree_creep_speed(const struct scree_friction_law *law, const struct scree_law_constants *constants,

@@ -30,6 +30,7 @@ typedef struct scree_contact_def {
     int between[2];
     scree_law_choice normal;        /* required unless `none` is set */
     scree_law_choice friction;      /* optional: without it the contact is frictionless */
+    scree_law_choice rolling;       /* optional: resistance to rolling and twisting; for spheres on whatever partner */
     const scree_force_table *table; /* of the normal law "table"; copied */
     int shared_by; /* contacts that share one load: stiffness and damping are totals, divided by it; 0 means 1 */
     int none;      /* bodies of these materials pass through each other */

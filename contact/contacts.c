@@ -14,13 +14,17 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
         contacts->rule[rule] = rules[rule];
         int friction = rules[rule].friction;
         const struct scree_friction_law *law = friction >= 0 ? scree_friction_laws[friction] : NULL;
+        const struct scree_rolling_law *rolling =
+            rules[rule].rolling >= 0 ? scree_rolling_laws[rules[rule].rolling] : NULL;
         for (int geometry = 0; geometry < SCREE_GEOMETRIES; geometry++) {
             struct scree_batch *batch = &contacts->batch[contacts->batches];
             batch->geometry = (enum scree_geometry)geometry;
             batch->rule = rule;
-            batch->memory = scree_normal_laws[rules[rule].normal]->memory || (law && law->memory);
-            batch->turns = law != NULL || geometry == SCREE_BALL_BOX;
+            int keeps = scree_normal_laws[rules[rule].normal]->memory || (law && law->memory);
+            batch->memory = rolling && rolling->memory ? SCREE_MEMORY : keeps ? SCREE_KEPT_ROLLING : 0;
+            batch->turns = law || rolling || geometry == SCREE_BALL_BOX;
             batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
+            if (rolling) batch->slope += rolling->slope(&rules[rule].rolling_constants);
             contacts->batch_of[rule * SCREE_GEOMETRIES + geometry] = contacts->batches++;
         }
     }

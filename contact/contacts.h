@@ -18,8 +18,12 @@
 
 enum { SCREE_LANES = 16 }; /* contacts in a block: their work columns stay in the L1 cache */
 
-/* Columns of pair constants: those of the normal law, then two of the friction law. */
-enum { SCREE_PAIR_FRICTION = SCREE_PAIR_CONSTANTS, SCREE_PAIR_COLUMNS = SCREE_PAIR_CONSTANTS + 2 };
+/* Columns of pair constants: those of the normal law, then two of the friction law, then the lever of the rolling law, m. */
+enum {
+    SCREE_PAIR_FRICTION = SCREE_PAIR_CONSTANTS,
+    SCREE_PAIR_LEVER = SCREE_PAIR_FRICTION + 2,
+    SCREE_PAIR_COLUMNS = SCREE_PAIR_LEVER + 1
+};
 
 enum scree_geometry { SCREE_BALL_BALL, SCREE_BALL_PLANE, SCREE_BALL_RECTANGLE, SCREE_BALL_BOX, SCREE_GEOMETRIES };
 
@@ -42,11 +46,11 @@ struct scree_yield {
 /* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. */
 struct scree_batch {
     enum scree_geometry geometry;
-    int rule;      /* index of the laws */
-    int memory;    /* a law keeps numbers of each contact */
-    int turns;     /* all contacts can turn bodies: friction, or a box as partner; else only those of corners */
+    int rule;   /* index of the laws */
+    int memory; /* how many numbers of each contact laws may keep, from the first on */
+    int turns;  /* all contacts can turn bodies: friction, rolling, or a box as partner; else only those of corners */
     int any_turns; /* some do */
-    double slope;  /* of the friction law, s/m; 0 if it isn't regularised by velocity */
+    double slope;  /* of friction and rolling laws, s/m; 0 if none is regularised by velocity */
     int uniform;   /* one set of pair constants serves all (made for the first block) */
     int count, capacity;
     struct scree_contact *contact;
@@ -87,7 +91,7 @@ struct scree_contacts {
 
     int measured;           /* sum up dissipation */
     double lost_normal;     /* J dissipated in normal direction so far */
-    double work_tangential; /* J done against friction so far */
+    double work_tangential; /* J done against friction and rolling resistance so far */
 
     double deepest; /* largest overlap over tolerable overlap so far */
     int deepest_ball, deepest_host;
@@ -122,11 +126,12 @@ struct scree_touch {
     int ball, host, corner;
     double overlap, closing;           /* m, m/s */
     double normal_force;               /* N */
-    double stored, stored_in_friction; /* J, in normal direction and in the tangential spring */
+    double stored, stored_in_friction; /* J, in normal direction; in the springs of friction and rolling */
     struct vec normal;                 /* from the host towards the ball */
     struct vec point;                  /* middle of the overlap, m */
     struct vec slip;                   /* tangential velocity of the ball, m/s */
     struct vec tangential;             /* friction force on the ball, N */
+    struct vec torque;                 /* of the rolling law on the ball, N m */
     struct vec stretch;                /* of the tangential spring, m */
     int sliding;
 };

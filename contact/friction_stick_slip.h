@@ -17,10 +17,7 @@ static const struct scree_parameter stick_slip_parameters[] = {
 static inline scree_status friction_stick_slip_bake(const struct scree_values *values, struct scree_law_constants *law,
                                                     scree_trouble *trouble) {
     for (int k = 0; k < 3; k++) law->c[k] = values->v[k];
-    if (law->c[STICK_SLIP_STATIC] >= law->c[STICK_SLIP_KINETIC]) return SCREE_OK;
-    return scree_report(trouble, SCREE_BAD_INPUT, "static",
-                        "static friction (%g) must not be below kinetic friction (%g)", law->c[STICK_SLIP_STATIC],
-                        law->c[STICK_SLIP_KINETIC]);
+    return scree_check_static(law->c[STICK_SLIP_STATIC], law->c[STICK_SLIP_KINETIC], trouble);
 }
 
 static inline struct scree_tangential friction_stick_slip_force(const struct scree_law_constants *law,
@@ -46,13 +43,14 @@ static const struct scree_friction_law scree_friction_stick_slip = {
              .source = "Simscape Multibody Contact Forces Library, Stick-Slip Continuous; Troll et al., Adv. "
                        "Mech. Eng. (2018)",
              .note = "Creeps at rest: on an incline at v = v_th tan(angle)/mu_s.",
+             .example = "static = 0.4, kinetic = 0.3, threshold = 1e-3",
              .parameters = stick_slip_parameters},
     .bake = friction_stick_slip_bake,
     .force = friction_stick_slip_force,
     .stored = scree_no_store,
     .slope = friction_stick_slip_slope,
     .stiffness = scree_no_stiffness,
-    .damping = scree_zero,
+    .damping = scree_no_stiffness,
 };
 
 #endif

@@ -18,13 +18,14 @@ static const struct scree_friction_law scree_friction_tanh = {
              .source = "common regularisation of Coulomb's law",
              .note = "Smooth. Creeps at rest: under a share r < 1 of the largest friction force the body moves at "
                      "v_th artanh(r).",
+             .example = "kinetic = 0.3, threshold = 1e-3",
              .parameters = ramp_parameters},
     .bake = friction_ramp_bake,
     .force = friction_tanh_force,
     .stored = scree_no_store,
     .slope = friction_ramp_slope,
     .stiffness = scree_no_stiffness,
-    .damping = scree_zero,
+    .damping = scree_no_stiffness,
 };
 
 #endif

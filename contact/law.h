@@ -1,7 +1,7 @@
 /* What a contact law is: a description that people and programs read, and inline functions from values to values.
  *
- * A normal law lives in one header normal_<word>.h, a friction law in friction_<word>.h; the word stands in one
- * list in contact/meson.build. Everything else follows from that list. The functions hold no state and touch no
+ * A normal law lives in one header normal_<word>.h, a friction law in friction_<word>.h, a rolling law in rolling_<word>.h; the
+ * word stands in one list in contact/meson.build. Everything else follows from that list. The functions hold no state and touch no
  * memory: the loop loads, calls, stores. They use + - x / sqrt, comparisons and bodies/elementary.h only, so that
  * they give the same bits everywhere and the compiler can evaluate several contacts at once.
  *
@@ -16,9 +16,9 @@
 
 enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12 };
 
-/* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, and two numbers of the normal
- * law. All zero when a contact begins. */
-enum { SCREE_KEPT_FRICTION = 0, SCREE_KEPT_NORMAL = 4, SCREE_MEMORY = 6 };
+/* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the normal
+ * law, and the stretches of rolling and twisting. All zero when a contact begins. */
+enum { SCREE_KEPT_FRICTION = 0, SCREE_KEPT_NORMAL = 4, SCREE_KEPT_ROLLING = 6, SCREE_MEMORY = 10 };
 
 /* Which numbers a parameter may take. */
 enum scree_range {
@@ -75,9 +75,11 @@ struct scree_normal_force {
     double elastic, damping, reversible, first, second;
 };
 
-/* Description common to all laws. Texts are plain sentences; parameters end with a NULL name. */
+/* Description common to all laws. Texts are plain sentences; parameters end with a NULL name. `example` gives parameters as in
+ * a scene file, for figures 8 and 9 and for tests: a normal law's for 0.03 kg at 1 m/s, a friction law's for speeds up to
+ * 5 mm/s under 0.03 kg x g. */
 struct scree_law_text {
-    const char *name, *formula, *source, *note;
+    const char *name, *formula, *source, *note, *example;
     const struct scree_parameter *parameters;
 };
 
@@ -85,6 +87,7 @@ struct scree_normal_law {
     struct scree_law_text text;
     int cut;    /* force never pulls: F = max(0, F); the contact ends where F = 0 */
     int memory; /* keeps numbers of the contact */
+    int root;   /* the dashpot sets in like this root of the overlap (4, 2); 0: like a whole power, or at once */
     /* Check what ranges can't say and compute the law's constants. `values` are within their ranges. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* `mass` effective mass m1 m2/(m1 + m2), kg; `radius` effective radius R1 R2/(R1 + R2), m. */
@@ -130,8 +133,26 @@ struct scree_friction_law {
      * spring at an overlap: what limits the step. Zero where there is none. */
     double (*slope)(const struct scree_law_constants *law);
     double (*stiffness)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
+    double (*damping)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
+};
+
+/* A rolling law resists the relative turning of two bodies: rolling, about axes across the normal, and twisting, about the
+ * normal. It sees both as if they were sliding, at the lever R, the effective radius: velocities are R times the relative angular
+ * velocity of the ball, along its axis, and the forces that it returns are torques over R. One function serves both, with
+ * the coefficient of the one or the other. */
+struct scree_rolling_law {
+    struct scree_law_text text;
+    int memory; /* keeps the stretches of rolling and twisting, m; of `scree_tangential.sliding` nothing is kept */
+    /* The first two constants are the coefficients of rolling and of twisting. */
+    scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
+    struct scree_tangential (*resist)(const struct scree_law_constants *law, double coefficient,
+                                      struct scree_sliding at);
+    /* As for friction laws, at the lever R; stiffness/2 x stretch^2 is the energy stored. */
+    double (*slope)(const struct scree_law_constants *law);
+    double (*stiffness)(const struct scree_law_constants *law);
     double (*damping)(const struct scree_law_constants *law);
 };
+enum { SCREE_ROLLING_COEFFICIENT, SCREE_TWISTING_COEFFICIENT, SCREE_ROLLING_OWN };
 
 /* Added to speeds before they divide: changes no speed above 1e-290 m/s. */
 #define SCREE_NO_SPEED 1e-300
@@ -140,6 +161,13 @@ struct scree_friction_law {
 static inline struct scree_tangential scree_against(struct scree_sliding at, double mu, double speed) {
     double s = -mu * at.normal / (speed + SCREE_NO_SPEED);
     return (struct scree_tangential){vec_scale(s, at.velocity), {0.0, 0.0, 0.0}, 0.0};
+}
+
+/* Static friction must not be below kinetic friction. */
+static inline scree_status scree_check_static(double holds, double slides, scree_trouble *trouble) {
+    if (holds >= slides) return SCREE_OK;
+    return scree_report(trouble, SCREE_BAD_INPUT, "static",
+                        "static friction (%g) must not be below kinetic friction (%g)", holds, slides);
 }
 
 static inline double scree_no_store(const struct scree_law_constants *law, struct scree_pair_constants pair,

@@ -46,7 +46,7 @@ scree_status scree_contacts_remember(struct scree_batch *batch, const struct scr
                                      scree_trouble *trouble) {
     int place = batch->count;
     scree_status status = add(batch, contact, trouble);
-    for (int m = 0; !status && m < SCREE_MEMORY; m++)
+    for (int m = 0; !status && m < batch->memory; m++)
         batch->kept[place / SCREE_LANES][m][place % SCREE_LANES] = kept[m];
     return status;
 }
@@ -149,13 +149,13 @@ static void carry_memory_over(struct scree_batch *batch) {
         int real = k < batch->count; /* the last block is filled up with zeros */
         while (real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) < 0) old++;
         int same = real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) == 0;
-        for (int m = 0; m < SCREE_MEMORY; m++)
+        for (int m = 0; m < batch->memory; m++)
             batch->kept[k / SCREE_LANES][m][k % SCREE_LANES] =
                 same ? batch->old_kept[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
     }
 }
 
-/* Constants of both laws for a pair of bodies, in the order of the columns. */
+/* Constants of the laws for a pair of bodies, in the order of the columns. */
 struct columns {
     double c[SCREE_PAIR_COLUMNS];
 };
@@ -171,7 +171,8 @@ static struct columns constants_of(const struct scree_contacts *contacts, const 
     if (friction && friction->pair) tangential = friction->pair(&rule->friction_constants, mass, radius);
     struct columns columns;
     memcpy(columns.c, normal.c, sizeof normal.c);
-    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++) columns.c[c] = tangential.c[c - SCREE_PAIR_FRICTION];
+    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_LEVER; c++) columns.c[c] = tangential.c[c - SCREE_PAIR_FRICTION];
+    columns.c[SCREE_PAIR_LEVER] = rule->rolling >= 0 ? radius : 0.0;
     return columns;
 }
 

@@ -2,6 +2,7 @@
  *   gather     body records -> normal, overlap, arms, relative velocity
  *   normal     the normal law
  *   friction   the friction law with its memory
+ *   rolling    the rolling law with its memory, where there is one
  *   yield      impulses on both bodies
  * and the impulses are added to the bodies in the order of the list, whatever the number of threads. Each law makes one
  * pass from its inline function, so there are as many loops as laws, not as products of laws; choices are made per
@@ -193,6 +194,67 @@ static inline struct vec into_tangent_plane(struct vec stretch, struct vec norma
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
 
+/* Columns of the relative turning, at the lever of the rolling law. */
+struct turning {
+    double rolling[3][SCREE_LANES],
+        twisting[SCREE_LANES];     /* lever x angular velocity of the ball against the host, m/s */
+    double torque[3][SCREE_LANES]; /* on the ball, N m */
+    double power[SCREE_LANES];     /* taken from the motion, W */
+};
+
+static inline void gather_turning(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                                  const struct block *b, double (*pair)[SCREE_LANES], struct turning *t) {
+    for (int lane = 0; lane < padded(count); lane++) {
+        const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
+        struct vec spin = vec_sub(vec_from(bodies->record[one->ball].w), vec_from(bodies->record[one->host].w));
+        struct vec velocity = vec_scale(pair[SCREE_PAIR_LEVER][lane], spin),
+                   n = get((double(*)[SCREE_LANES])b->n, lane);
+        t->twisting[lane] = vec_dot(velocity, n);
+        put(t->rolling, lane, vec_axpy(velocity, -t->twisting[lane], n));
+    }
+}
+
+typedef void rolling_pass(const struct block *b, struct turning *t, int count, const struct scree_law_constants *law,
+                          double (*pair)[SCREE_LANES], double (*kept)[SCREE_LANES], double step);
+
+/* One pass per rolling law: rolling, then twisting. */
+#define ROLLING_PASS(word)                                                                                             \
+    static void rolling_pass_##word(const struct block *b, struct turning *t, int count,                               \
+                                    const struct scree_law_constants *law, double(*pair)[SCREE_LANES],                 \
+                                    double(*kept)[SCREE_LANES], double step) {                                         \
+        struct scree_law_constants constants = *law;                                                                   \
+        double(*own)[SCREE_LANES] = kept ? kept + SCREE_KEPT_ROLLING : NULL;                                           \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) {                                                                      \
+            double lever = pair[SCREE_PAIR_LEVER][k];                                                                  \
+            struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);                                                    \
+            struct scree_sliding rolling = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0,                           \
+                                            .overlap = b->overlap[k],                                                  \
+                                            .half = 0.5 * step,                                                        \
+                                            .velocity = get(t->rolling, k)};                                           \
+            struct scree_sliding twisting = rolling;                                                                   \
+            twisting.velocity = vec(t->twisting[k], 0.0, 0.0);                                                         \
+            if (scree_rolling_##word.memory) {                                                                         \
+                rolling.stretch = into_tangent_plane(get(own, k), n);                                                  \
+                twisting.stretch = vec(own[3][k], 0.0, 0.0);                                                           \
+            }                                                                                                          \
+            struct scree_tangential r =                                                                                \
+                rolling_##word##_resist(&constants, constants.c[SCREE_ROLLING_COEFFICIENT], rolling);                  \
+            struct scree_tangential s =                                                                                \
+                rolling_##word##_resist(&constants, constants.c[SCREE_TWISTING_COEFFICIENT], twisting);                \
+            put(t->torque, k, vec_scale(lever, vec_axpy(r.force, s.force.x, n)));                                      \
+            t->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * t->twisting[k]);                          \
+            if (scree_rolling_##word.memory) {                                                                         \
+                put(own, k, vec_scale(b->touching[k], r.stretch));                                                     \
+                own[3][k] = b->touching[k] * s.stretch.x;                                                              \
+            }                                                                                                          \
+        }                                                                                                              \
+    }
+SCREE_ROLLING_LAWS(ROLLING_PASS)
+
+#define ENTRY(word) rolling_pass_##word,
+static rolling_pass *const rolling_passes[] = {SCREE_ROLLING_LAWS(ENTRY)};
+#undef ENTRY
 #define ENTRY(word) normal_pass_##word,
 static law_pass *const normal_passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
 #undef ENTRY
@@ -251,6 +313,25 @@ static int contacts_in_block(const struct scree_batch *batch, int block) {
     return left < SCREE_LANES ? left : SCREE_LANES;
 }
 
+/* The rolling law of a block: torques on both bodies, equal and opposite, on top of what the forces yield. */
+static void act_turning(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_batch *batch, int block, const struct block *b, double step) {
+    struct turning t;
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    struct scree_yield *yield = &batch->yield[block];
+    double(*pair)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
+    int count = contacts_in_block(batch, block);
+    gather_turning(bodies, batch->contact + block * SCREE_LANES, count, b, pair, &t);
+    rolling_passes[rule->rolling](b, &t, count, &rule->rolling_constants, pair,
+                                  batch->memory ? batch->kept[block] : NULL, step);
+    for (int axis = 0; axis < 3; axis++)
+        for (int k = 0; k < count; k++) {
+            yield->turn_ball[axis][k] += step * t.torque[axis][k];
+            yield->turn_host[axis][k] -= step * t.torque[axis][k];
+        }
+    for (int k = 0; contacts->measured && k < count; k++) yield->work_tangential += step * t.power[k];
+}
+
 static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                       const struct scree_batch *batch, int block, double step) {
     struct block b;
@@ -264,6 +345,7 @@ static void act_block(const struct scree_contacts *contacts, const struct scree_
     write_yield(&b, count, step, friction, batch->any_turns, batch->slope, &batch->yield[block]);
     int snaps = scree_normal_laws[rule->normal]->reach != NULL;
     if (contacts->measured) measure_losses(&b, count, step, friction, snaps, &batch->yield[block]);
+    if (rule->rolling >= 0) act_turning(contacts, bodies, batch, block, &b, step);
 }
 
 static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
@@ -323,6 +405,46 @@ void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bo
     }
 }
 
+/* Friction at this instant, and what its spring holds. */
+static void measure_friction(const struct scree_rule *rule, struct scree_pair_constants pair,
+                             double (*kept)[SCREE_LANES], int lane, struct scree_touch *touch) {
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
+                               .overlap = touch->overlap,
+                               .velocity = touch->slip};
+    if (friction->memory) {
+        at.stretch = into_tangent_plane(get(kept, lane), touch->normal);
+        at.sliding = kept[3][lane];
+    }
+    struct scree_tangential t = friction->force(&rule->friction_constants, pair, at);
+    touch->tangential = t.force;
+    touch->stretch = t.stretch;
+    touch->sliding = t.sliding > 0.0;
+    at.stretch = t.stretch;
+    touch->stored_in_friction = friction->stored(&rule->friction_constants, pair, at);
+}
+
+/* Torque of the rolling law at this instant, and what its springs hold. */
+static void measure_turning(const struct scree_rule *rule, const struct scree_bodies *bodies, double lever,
+                            const double kept[4], struct scree_touch *touch) {
+    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
+    const struct scree_law_constants *constants = &rule->rolling_constants;
+    struct vec n = touch->normal;
+    struct vec spin = vec_sub(vec_from(bodies->record[touch->ball].w), vec_from(bodies->record[touch->host].w));
+    struct vec velocity = vec_scale(lever, spin);
+    double along = vec_dot(velocity, n);
+    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
+                               .overlap = touch->overlap,
+                               .velocity = vec_axpy(velocity, -along, n)};
+    at.stretch = into_tangent_plane(vec_from(kept), n);
+    struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], at);
+    at.velocity = vec(along, 0.0, 0.0);
+    at.stretch = vec(kept[3], 0.0, 0.0);
+    struct scree_tangential s = law->resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], at);
+    touch->torque = vec_scale(lever, vec_axpy(r.force, s.force.x, n));
+    touch->stored_in_friction += 0.5 * law->stiffness(constants) * (vec_norm2(r.stretch) + s.stretch.x * s.stretch.x);
+}
+
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,
                            int index, struct scree_touch *touch) {
     const struct scree_batch *batch = &contacts->batch[batch_index];
@@ -341,7 +463,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     double(*columns)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
     struct scree_pair_constants pair, tangential_pair = {{0.0}};
     for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = columns[c][lane];
-    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++)
+    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_LEVER; c++)
         tangential_pair.c[c - SCREE_PAIR_FRICTION] = columns[c][lane];
     struct scree_normal_force f = normal->force(&rule->normal_constants, pair, pressing);
     if (!(normal->reach ? f.second > 0.0 : b.overlap[0] > 0.0)) return 0;
@@ -356,21 +478,11 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->normal = get(b.n, 0);
     touch->point = vec_add(vec_from(bodies->record[contact->ball].x), get(b.arm, 0));
     touch->slip = get(b.slip, 0);
-    if (rule->friction < 0) return 1;
-
-    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
-    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
-                               .overlap = touch->overlap,
-                               .velocity = touch->slip};
-    if (friction->memory) {
-        at.stretch = into_tangent_plane(get(kept, lane), touch->normal);
-        at.sliding = kept[3][lane];
-    }
-    struct scree_tangential t = friction->force(&rule->friction_constants, tangential_pair, at);
-    touch->tangential = t.force;
-    touch->stretch = t.stretch;
-    touch->sliding = t.sliding > 0.0;
-    at.stretch = t.stretch;
-    touch->stored_in_friction = friction->stored(&rule->friction_constants, tangential_pair, at);
+    if (rule->friction >= 0) measure_friction(rule, tangential_pair, kept, lane, touch);
+    if (rule->rolling < 0) return 1;
+    double turned[4] = {0.0};
+    for (int m = 0; scree_rolling_laws[rule->rolling]->memory && m < 4; m++)
+        turned[m] = kept[SCREE_KEPT_ROLLING + m][lane];
+    measure_turning(rule, bodies, columns[SCREE_PAIR_LEVER][lane], turned, touch);
     return 1;
 }

@@ -32,7 +32,8 @@ static const struct scree_normal_law scree_normal_anagnostopoulos = {
              .note = "Never pulls. The dashpot is the one that delivers e where the force may pull; cut at zero "
                      "it delivers more: e' = exp(-2 zeta arccos(zeta)/sqrt(1-zeta^2)), 0.55 for 0.5. linear-cut "
                      "delivers what is asked.",
-             .parameters = linear_parameters},
+             .parameters = linear_parameters,
+             .example = "stiffness = 1e5, restitution = 0.5"},
     .cut = 1,
     .bake = normal_anagnostopoulos_bake,
     .pair = linear_pair,

@@ -59,6 +59,7 @@ static const struct scree_normal_law scree_normal_blend = {
                      "falls with impact "
                      "speed while the overlap stays below d_full; it has no closed form, so the damping must "
                      "be given.",
+             .example = "stiffness = 1e5, damping = 65.4, full = 2e-4",
              .parameters = blend_parameters},
     .cut = 0,
     .bake = normal_blend_bake,

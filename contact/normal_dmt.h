@@ -59,7 +59,8 @@ static const struct scree_normal_law scree_normal_dmt = {
              .source = "Derjaguin, Muller & Toporov, J. Colloid Interface Sci. 53 (1975) 314",
              .note = "Adhesion of hard, small bodies: pulls with 2 pi w R* from the first touch on, and ends at "
                      "d = 0 with that force. Elastic: restitution 1. Rests at the overlap (2 pi w R*/K)^(2/3).",
-             .parameters = dmt_parameters},
+             .parameters = dmt_parameters,
+             .example = "stiffness = 5e6, adhesion = 20.0"},
     .cut = 0,
     .bake = normal_dmt_bake,
     .pair = dmt_pair,

@@ -120,6 +120,7 @@ static const struct scree_normal_law scree_normal_hunt_crossley = {
              .note = "Restitution falls with impact speed v: c v (1+e) = ln((1+c v)/(1-c e v)), whatever n "
                      "and the masses. "
                      "Never pulls while it acts as on an impact.",
+             .example = "stiffness = 5e6, restitution = 0.5, speed = 1.0",
              .parameters = hunt_parameters},
     .cut = 1,
     .bake = normal_hunt_crossley_bake,

@@ -22,6 +22,7 @@ static const struct scree_normal_law scree_normal_impact = {
              .note = "Continuous at first touch; damped both ways; never pulls. Restitution depends on "
                      "impact speed and has no "
                      "closed form, so the damping must be given.",
+             .example = "stiffness = 1e5, exponent = 1.0, damping = 30.0, full = 2e-4",
              .parameters = blend_parameters},
     .cut = 1,
     .bake = normal_blend_bake,

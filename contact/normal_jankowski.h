@@ -65,8 +65,10 @@ static const struct scree_normal_law scree_normal_jankowski = {
              .note = "Damped while approaching only; never pulls. Restitution is the same at every speed: e = "
                      "exp(-zeta arccos(zeta)/sqrt(1-zeta^2)), zeta = 2 xi/sqrt(5). As published xi = (9 "
                      "sqrt(5)/2) (1-e^2)/(e (e (9 pi - 16) + 16)); calibrated = 1 takes the xi that delivers e.",
-             .parameters = jankowski_parameters},
+             .parameters = jankowski_parameters,
+             .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 0,
+    .root = 4,
     .bake = normal_jankowski_bake,
     .pair = tsuji_pair,
     .force = normal_jankowski_force,

@@ -27,8 +27,10 @@ static const struct scree_normal_law scree_normal_kuwabara_kono_cut = {
              .note = "Never pulls (Schwager & Poeschel, Phys. Rev. E 78 (2008) 051304). Restitution falls with "
                      "impact speed: e = 1 - 1.15345 b + 0.79827 b^2 - ..., b = (3/2) A (K/m)^(2/5) v^(1/5); it "
                      "has no closed form, and a restitution asked for is found by integration.",
-             .parameters = kuwabara_parameters},
+             .parameters = kuwabara_parameters,
+             .example = "stiffness = 5e6, restitution = 0.5, speed = 1.0"},
     .cut = 1,
+    .root = 2,
     .bake = normal_kuwabara_kono_cut_bake,
     .pair = kuwabara_pair,
     .force = normal_kuwabara_kono_cut_force,

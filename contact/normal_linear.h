@@ -32,6 +32,7 @@ static const struct scree_normal_law scree_normal_linear = {
              .note = "Restitution is the same at every speed: e = exp(-pi zeta/sqrt(1-zeta^2)), zeta = c/(2 "
                      "sqrt(k m)). "
                      "Near the end of a contact the force pulls.",
+             .example = "stiffness = 1e5, restitution = 0.5",
              .parameters = linear_parameters},
     .cut = 0,
     .bake = normal_linear_bake,

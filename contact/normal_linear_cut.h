@@ -35,6 +35,7 @@ static const struct scree_normal_law scree_normal_linear_cut = {
              .note = "Never pulls. Restitution is the same at every speed: e = exp(-2 zeta "
                      "arccos(zeta)/sqrt(1-zeta^2)), "
                      "zeta = c/(2 sqrt(k m)); any 0 < e <= 1 can be had.",
+             .example = "stiffness = 1e5, restitution = 0.5",
              .parameters = linear_parameters},
     .cut = 1,
     .bake = normal_linear_cut_bake,

@@ -36,6 +36,7 @@ static const struct scree_normal_law scree_normal_linear_loading = {
              .note = "Damped while approaching only; never pulls. Restitution is the same at every speed: "
                      "e = exp(-zeta arccos(zeta)/sqrt(1-zeta^2)) below zeta = c/(2 sqrt(k m)) = 1, arcosh above; any "
                      "0 < e <= 1 can be had.",
+             .example = "stiffness = 1e5, restitution = 0.5",
              .parameters = linear_parameters},
     .cut = 0,
     .bake = normal_linear_loading_bake,

@@ -34,8 +34,10 @@ static const struct scree_normal_law scree_normal_matched = {
              .source = "Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239, for any exponent",
              .note = "Restitution is the same at every speed: e = exp(-pi zeta/sqrt(1-zeta^2)), zeta = "
                      "alpha/sqrt(2 (p+1)). Near the end of a contact the force pulls.",
-             .parameters = matched_parameters},
+             .parameters = matched_parameters,
+             .example = "stiffness = 5e6, exponent = 1.5, restitution = 0.5"},
     .cut = 0,
+    .root = 4,
     .bake = normal_matched_bake,
     .pair = matched_pair,
     .force = normal_matched_force,

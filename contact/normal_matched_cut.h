@@ -35,8 +35,10 @@ static const struct scree_normal_law scree_normal_matched_cut = {
              .source = "Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239, for any exponent",
              .note = "Never pulls. Restitution is the same at every speed: e = exp(-2 zeta "
                      "arccos(zeta)/sqrt(1-zeta^2)), zeta = alpha/sqrt(2 (p+1)); any 0 < e <= 1 can be had.",
-             .parameters = matched_parameters},
+             .parameters = matched_parameters,
+             .example = "stiffness = 1e7, exponent = 2.0, restitution = 0.5"},
     .cut = 1,
+    .root = 4,
     .bake = normal_matched_cut_bake,
     .pair = matched_pair,
     .force = normal_matched_cut_force,

@@ -108,7 +108,9 @@ static const struct scree_normal_law scree_normal_table = {
              "rows = [[d, F], …] or [[d, u, F], …], or file = \"….csv\" with the columns overlap_m, force_N and, if "
              "wanted, closing_m_s: every overlap with every speed, 0 among them. What depends on the speed is lost, "
              "the rest is stored. Stays scalar: a search in the table takes a branch.",
-         .parameters = table_parameters},
+         .parameters = table_parameters,
+         .example = "rows = [[0, -1, 0], [0, 0, 0], [0, 1, 20], [1e-4, -1, 2], [1e-4, 0, 6], [1e-4, 1, 26], [1e-3, -1, "
+                    "60], [1e-3, 0, 100], [1e-3, 1, 120]]"},
     .cut = 1,
     .bake = normal_table_bake,
     .pair = scree_any_pair,

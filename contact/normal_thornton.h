@@ -106,7 +106,8 @@ static const struct scree_normal_law scree_normal_thornton = {
              .source = "Thornton, J. Appl. Mech. 64 (1997) 383",
              .note = "Elastic-perfectly plastic: restitution 1 up to the speed v_y = (pi/(2 E*))^2 sqrt(8 pi "
                      "R*^3/(15 m)) p_y^(5/2), 1.185 (v_y/v)^(1/4) far above it. Never pulls.",
-             .parameters = thornton_parameters},
+             .parameters = thornton_parameters,
+             .example = "modulus = 3e7, yield = 3e6"},
     .cut = 1,
     .memory = 1,
     .bake = normal_thornton_bake,

@@ -34,8 +34,10 @@ static const struct scree_normal_law scree_normal_tsuji = {
              .source = "Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239",
              .note = "Restitution is the same at every speed: e = exp(-pi zeta/sqrt(1-zeta^2)), zeta = alpha/sqrt(5). "
                      "Near the end of a contact the force pulls.",
-             .parameters = tsuji_parameters},
+             .parameters = tsuji_parameters,
+             .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 0,
+    .root = 4,
     .bake = normal_tsuji_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_force,

@@ -37,8 +37,10 @@ static const struct scree_normal_law scree_normal_tsuji_cut = {
              .note =
                  "Never pulls. Restitution is the same at every speed: e = exp(-2 zeta arccos(zeta)/sqrt(1-zeta^2)), "
                  "zeta = alpha/sqrt(5); any 0 < e <= 1 can be had.",
-             .parameters = tsuji_parameters},
+             .parameters = tsuji_parameters,
+             .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,
+    .root = 4,
     .bake = normal_tsuji_cut_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_cut_force,

@@ -65,7 +65,8 @@ static const struct scree_normal_law scree_normal_walton_braun = {
              .source = "Walton & Braun, J. Rheol. 30 (1986) 949",
              .note = "Loses energy in the spring, without a dashpot: restitution sqrt(K1/K2), the same at every "
                      "speed; any 0 < e <= 1 can be had. Never pulls.",
-             .parameters = walton_parameters},
+             .parameters = walton_parameters,
+             .example = "stiffness = 1e5, restitution = 0.5"},
     .cut = 1,
     .memory = 1,
     .bake = normal_walton_braun_bake,

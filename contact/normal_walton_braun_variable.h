@@ -79,7 +79,8 @@ static const struct scree_normal_law scree_normal_walton_braun_variable = {
              .source = "Walton & Braun, J. Rheol. 30 (1986) 949",
              .note = "Loses energy in the spring, without a dashpot; restitution falls with impact speed v: e = "
                      "sqrt(w0/(S v + w0)), w0 = sqrt(K1/m). Never pulls.",
-             .parameters = walton_variable_parameters},
+             .parameters = walton_variable_parameters,
+             .example = "stiffness = 1e5, restitution = 0.5, speed = 1.0"},
     .cut = 1,
     .memory = 1,
     .bake = normal_walton_braun_variable_bake,

@@ -26,12 +26,7 @@ static struct scree_shown body_name(const scree_scene *scene, int index) {
 
 static void describe_creep(const struct scree_friction_law *law, const struct scree_law_constants *constants,
                            FILE *file) {
-    /* The largest coefficient: walk up the ramp until the law holds no more. */
-    double largest = 0.0;
-    for (int k = 1; k <= 4000; k++) {
-        struct scree_sliding at = {.normal = 1.0, .velocity = {k * 1e-3 / law->slope(constants), 0.0, 0.0}};
-        largest = fmax(largest, -law->force(constants, (struct scree_pair_constants){{0.0}}, at).force.x);
-    }
+    double largest = scree_largest_coefficient(law, constants);
     fprintf(file,
             "    has no true rest: creeps at %.4g m/s under half and %.4g m/s under 0.9 of the largest "
             "friction force\n",
@@ -48,9 +43,10 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
     const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
     fprintf(file, "%s, %s", scree_normal_laws[rule->normal]->text.name,
             friction ? friction->text.name : "frictionless");
+    if (rule->rolling >= 0) fprintf(file, ", rolling %s", scree_rolling_laws[rule->rolling]->text.name);
     if (rule->share > 1.0) fprintf(file, ", stiffness and damping shared by %g contacts", rule->share);
     fprintf(file, "\n");
-    if (friction && friction->slope(&rule->friction_constants) > 0.0)
+    if (friction && !friction->memory && friction->slope(&rule->friction_constants) > 0.0)
         describe_creep(friction, &rule->friction_constants, file);
 }
 
@@ -94,22 +90,24 @@ static void describe_step(const scree_scene *scene, FILE *file) {
 
 static void describe_stages(const scree_scene *scene, FILE *file) {
     const struct scree_contacts *contacts = &scene->contacts;
-    int memory = 0, friction = 0, frictionless = 0, regularised = 0;
+    int memory = 0, friction = 0, frictionless = 0, regularised = 0, rolling = 0;
     for (int k = 0; k < contacts->rules; k++) {
         const struct scree_rule *rule = &contacts->rule[k];
         const struct scree_friction_law *law = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
         friction += law != NULL;
         frictionless += rule->touches && !law;
         memory += law && law->memory;
+        rolling += rule->rolling >= 0;
         regularised += law && law->slope(&rule->friction_constants) > 0.0;
     }
-    fprintf(file, "runs each step: look ahead, gather, normal law%s%s, impulses, advance%s\n",
-            friction ? ", friction law" : "", memory ? " with memory" : "", scene->time.energy ? ", energy books" : "");
+    fprintf(file, "runs each step: look ahead, gather, normal law%s%s%s, impulses, advance%s\n",
+            friction ? ", friction law" : "", memory ? " with memory" : "", rolling ? ", rolling law" : "",
+            scene->time.energy ? ", energy books" : "");
     fprintf(file, "skipped:\n  search for contacts, until a body has moved %.3g m\n", 0.5 * contacts->skin);
     if (frictionless)
         fprintf(file, "  friction in %d kind%s of contact: frictionless\n", frictionless, frictionless > 1 ? "s" : "");
     if (!memory) fprintf(file, "  contact memory: no law keeps any\n");
-    if (!friction && scene->plan.general == 0)
+    if (!friction && !rolling && scene->plan.general == 0)
         fprintf(file, "  torques and spins: nothing turns frictionless spheres\n");
     if (scene->plan.balls)
         fprintf(file, "  attitudes of %d free spheres: no contact depends on them\n", scene->plan.balls);

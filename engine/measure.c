@@ -112,6 +112,7 @@ static scree_contact_state contact_state(const scree_scene *scene, const struct 
     vec_store(touch->normal, state.normal);
     vec_store(touch->slip, state.slip);
     vec_store(touch->tangential, state.friction);
+    vec_store(touch->torque, state.rolling);
     state.overlap = touch->overlap;
     state.closing = touch->closing;
     state.normal_force = touch->normal_force;
@@ -152,13 +153,13 @@ static uint64_t hash_memory(uint64_t hash, const struct scree_batch *batch) {
     for (int k = 0; batch->memory && k < batch->count; k++) {
         double kept[SCREE_MEMORY];
         int something = 0;
-        for (int m = 0; m < SCREE_MEMORY; m++) {
+        for (int m = 0; m < batch->memory; m++) {
             kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
             something |= kept[m] != 0.0;
         }
         if (!something) continue;
         hash = scree_hash_on(hash, &batch->contact[k], sizeof batch->contact[k]);
-        hash = scree_hash_on(hash, kept, sizeof kept);
+        hash = scree_hash_on(hash, kept, (size_t)batch->memory * sizeof *kept);
     }
     return hash;
 }

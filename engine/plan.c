@@ -131,6 +131,37 @@ struct pair_rates {
     double reach;         /* of the normal law beyond touch, m */
 };
 
+static double weight_on(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j) {
+    return vec_norm(vec_from(scene->gravity.vector)) * scree_effective_mass(&scene->bodies, i, j) / rule->share;
+}
+
+static struct pair_rates friction_rates(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
+                                        double mass, double radius, double overlap) {
+    const struct scree_friction_law *law = scree_friction_laws[rule->friction];
+    const struct scree_law_constants *constants = &rule->friction_constants;
+    double tangential = softness(&scene->bodies, i, 1) + softness(&scene->bodies, j, 1);
+    struct scree_pair_constants pair = {{0.0}};
+    if (law->pair) pair = law->pair(constants, mass, radius);
+    return (struct pair_rates){law->stiffness(constants, pair, overlap) * tangential,
+                               law->damping(constants, pair, overlap) * tangential,
+                               law->slope(constants) * weight_on(scene, rule, i, j) * tangential, 0.0};
+}
+
+/* Rolling and sliding of one pair share the spins: the largest eigenvalue is at most the sum of those of each alone. */
+static void add_rolling_rates(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
+                              double radius, struct pair_rates *rates) {
+    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
+    const struct scree_law_constants *constants = &rule->rolling_constants;
+    double turning = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const double *w = scene->bodies.inertia[side ? j : i].inverse_moments;
+        turning += radius * radius * fmax(w[0], fmax(w[1], w[2]));
+    }
+    rates->stiffness += law->stiffness(constants) * turning;
+    rates->damping += law->damping(constants) * turning;
+    rates->friction_ramp += law->slope(constants) * weight_on(scene, rule, i, j) * turning;
+}
+
 static struct pair_rates rates_of(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
                                   double speed) {
     const struct scree_bodies *bodies = &scene->bodies;
@@ -148,18 +179,13 @@ static struct pair_rates rates_of(const struct scree_scene *scene, const struct 
         law->force(&rule->normal_constants, pair, (struct scree_pressing){0.999 * overlap, speed, at.first, at.second});
     double stiffness = (at.elastic - less.elastic) / (0.001 * overlap);
     struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0, 0.0};
+    struct pair_rates sideways = {0.0, 0.0, 0.0, 0.0};
     if (law->reach) rates.reach = law->reach(&rule->normal_constants, pair);
-    if (rule->friction < 0) return rates;
-    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
-    double tangential = softness(bodies, i, 1) + softness(bodies, j, 1);
-    double gravity = vec_norm(vec_from(scene->gravity.vector));
-    double weight = gravity * scree_effective_mass(bodies, i, j) / rule->share;
-    struct scree_pair_constants sideways = {{0.0}};
-    if (friction->pair) sideways = friction->pair(&rule->friction_constants, mass, radius);
-    double spring = friction->stiffness(&rule->friction_constants, sideways, overlap);
-    rates.stiffness = fmax(rates.stiffness, spring * tangential);
-    rates.damping = fmax(rates.damping, friction->damping(&rule->friction_constants) * tangential);
-    rates.friction_ramp = friction->slope(&rule->friction_constants) * weight * tangential;
+    if (rule->friction >= 0) sideways = friction_rates(scene, rule, i, j, mass, radius, overlap);
+    if (rule->rolling >= 0) add_rolling_rates(scene, rule, i, j, radius, &sideways);
+    rates.stiffness = fmax(rates.stiffness, sideways.stiffness);
+    rates.damping = fmax(rates.damping, sideways.damping);
+    rates.friction_ramp = sideways.friction_ramp;
     return rates;
 }
 
@@ -320,6 +346,13 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
                     "other)",
                     scree_name(scene, i), scree_name(scene, j), scene->material[bodies->material[i]].name,
                     scene->material[bodies->material[j]].name);
+            if (rule && rule->rolling >= 0 && bodies->shape[i].kind != SCREE_SPHERE &&
+                bodies->shape[j].kind != SCREE_SPHERE)
+                return scree_report(
+                    &scene->trouble, SCREE_BAD_INPUT, NULL,
+                    "the contact of \"%s\" with \"%s\" has a rolling law, but neither is a sphere: only "
+                    "spheres roll (give boxes a material of their own)",
+                    scree_name(scene, i), scree_name(scene, j));
             plan->pairs_all += pairs;
             plan->pairs_meeting += rule ? pairs : 0;
             plan->pairs_still += !rule && still ? pairs : 0;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[24] = "scree state 2\n";
+static const char magic[24] = "scree state 3\n";
 static const uint64_t byte_order_mark = 0x0102030405060708u;
 
 /* One remembered contact. */
@@ -121,6 +121,8 @@ static uint64_t print_contacts(const scree_scene *scene) {
         HASH_ON(hash, rule->normal_constants.c);
         HASH_ON(hash, rule->friction_constants.c);
         hash = hash_table(hash, rule->normal_constants.table);
+        hash = hash_name(hash, rule->rolling >= 0 ? scree_rolling_laws[rule->rolling]->text.name : "");
+        HASH_ON(hash, rule->rolling_constants.c);
     }
     return hash;
 }
@@ -192,7 +194,7 @@ static void put_memories(struct stream *s, const scree_scene *scene) {
             memset(&memory, 0, sizeof memory);
             memory.contact = batch->contact[k];
             memory.batch = b;
-            for (int m = 0; m < SCREE_MEMORY; m++) memory.kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
+            for (int m = 0; m < batch->memory; m++) memory.kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
             put(s, &memory, sizeof memory);
         }
     }

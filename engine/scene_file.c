@@ -172,7 +172,7 @@ static void free_forces(struct forces *f) {
 }
 
 static void read_contact(struct scree_reader *r, const struct scree_toml *table) {
-    static const char *const keys[] = {"between", "normal", "friction", "shared_by", "none", NULL};
+    static const char *const keys[] = {"between", "normal", "friction", "rolling", "shared_by", "none", NULL};
     scree_check_keys(r, table, "[[contact]]", keys);
     scree_contact_def def = {0};
     const struct scree_toml *between = scree_toml_get(table, "between");
@@ -184,6 +184,7 @@ static void read_contact(struct scree_reader *r, const struct scree_toml *table)
     }
     read_law(r, table, "normal", &def.normal);
     read_law(r, table, "friction", &def.friction);
+    read_law(r, table, "rolling", &def.rolling);
     double shared = scree_read_number(r, table, "shared_by", 1.0);
     if (!(shared >= 1.0 && shared <= 1e6 && shared == floor(shared)))
         scree_complain(r, scree_toml_get(table, "shared_by"),

@@ -105,7 +105,7 @@ SCREE_API int scree_scene_body_moves(const scree_scene *scene, int index);
  * lost_normal + lost_tangential - driven, less its value at the start; the error of the integration. */
 typedef struct scree_energy {
     double kinetic, rotational, potential, stored;
-    double lost_normal, lost_tangential; /* dissipated in contacts */
+    double lost_normal, lost_tangential; /* dissipated in contacts; tangential: by friction and rolling resistance */
     double driven;                       /* put in by prescribed motions and by tilting gravity */
     double balance;
 } scree_energy;
@@ -120,6 +120,7 @@ typedef struct scree_contact_state {
     double point[3], normal[3];       /* normal from the host to the ball */
     double overlap, closing, slip[3]; /* m, m/s, m/s */
     double normal_force, friction[3]; /* N, on the ball */
+    double rolling[3];                /* torque of the rolling law on the ball, N m */
     int sliding;                      /* for laws with memory */
 } scree_contact_state;
 

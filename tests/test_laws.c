@@ -376,16 +376,16 @@ static void test_coulomb_unloads(void) {
             "coulomb", 4, {{"static", 0.3}, {"kinetic", 0.3}, {"stiffness", 1e4}, {"damping", damped ? 0.05 : 0.0}}};
         struct scree_rule rule = make_friction(choice, &law);
         struct scree_sliding at = {.half = 5e-7, .stretch = {-3e-4, 0.0, 0.0}, .sliding = 1.0};
-        double first = law->stored(&rule.friction_constants, at.stretch), taken = 0.0, least = 0.0;
+        double first = law->stored(&rule.friction_constants, no_pair, at), taken = 0.0, least = 0.0;
         for (int step = 0; step < 500; step++) {
             at.normal =
                 10.0 * (1.0 - (step + 0.5) / 500.0); /* mu N/k falls at 0.6 m/s, the spring unloads at 0.9 m/s */
             at.velocity = vec(0.9, 0.0, 0.0);
-            struct scree_tangential f = law->force(&rule.friction_constants, at);
+            struct scree_tangential f = law->force(&rule.friction_constants, no_pair, at);
             taken -= 2.0 * at.half * vec_dot(f.force, at.velocity);
             at.stretch = f.stretch;
             at.sliding = f.sliding;
-            least = fmin(least, taken - (law->stored(&rule.friction_constants, at.stretch) - first));
+            least = fmin(least, taken - (law->stored(&rule.friction_constants, no_pair, at) - first));
         }
         CHECK(least >= -1e-16); /* rounding of 4.5e-4 J */
     }
@@ -439,15 +439,22 @@ static void test_refusals(void) {
 static void test_descriptions(void) {
     for (int l = 0; scree_normal_laws[l]; l++) {
         const struct scree_normal_law *law = scree_normal_laws[l];
-        CHECK(law->text.formula && law->text.source && law->text.note && law->text.parameters);
+        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
         CHECK(law->bake && law->pair && law->force && law->stored);
         CHECK(scree_find_normal_law(law->text.name) == l && scree_find_friction_law(law->text.name) == -1);
     }
     for (int l = 0; scree_friction_laws[l]; l++) {
         const struct scree_friction_law *law = scree_friction_laws[l];
-        CHECK(law->text.formula && law->text.source && law->text.note && law->text.parameters);
+        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
         CHECK(law->bake && law->force && law->stored && law->slope && law->stiffness && law->damping);
         CHECK(scree_find_friction_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1);
+    }
+    for (int l = 0; scree_rolling_laws[l]; l++) {
+        const struct scree_rolling_law *law = scree_rolling_laws[l];
+        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
+        CHECK(law->bake && law->resist && law->slope && law->stiffness && law->damping);
+        CHECK(scree_find_rolling_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1 &&
+              scree_find_friction_law(law->text.name) == -1);
     }
 }
 

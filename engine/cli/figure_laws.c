@@ -9,52 +9,6 @@
 
 enum { MOST_SAMPLES = 4000 };
 
-/* Parameters for 0.03 kg at 1 m/s; the laws and their order are the catalogue's. */
-static const struct {
-    const char *law, *settings;
-    int root; /* the dashpot sets in with a root of the overlap */
-} normals[] = {
-    {"linear", "stiffness=1e5, restitution=0.5", 0},
-    {"linear-cut", "stiffness=1e5, restitution=0.5", 0},
-    {"linear-loading", "stiffness=1e5, restitution=0.5", 0},
-    {"blend", "stiffness=1e5, damping=65.4, full=2e-4", 0},
-    {"hunt-crossley", "stiffness=5e6, restitution=0.5, speed=1.0", 0},
-    {"impact", "stiffness=1e5, exponent=1.0, damping=30.0, full=2e-4", 0},
-    {"hertz", "stiffness=5e6", 0},
-    {"tsuji", "stiffness=5e6, restitution=0.5", 1},
-    {"tsuji-cut", "stiffness=5e6, restitution=0.5", 1},
-    {"matched", "stiffness=5e6, exponent=1.5, restitution=0.5", 1},
-    {"matched-cut", "stiffness=1e7, exponent=2.0, restitution=0.5", 1},
-    {"kuwabara-kono", "stiffness=5e6, restitution=0.5, speed=1.0", 1},
-    {"kuwabara-kono-cut", "stiffness=5e6, restitution=0.5, speed=1.0", 1},
-    {"hunt-crossley-1975", "stiffness=5e6, restitution=0.5", 0},
-    {"herbert-mcwhannell", "stiffness=5e6, restitution=0.5", 0},
-    {"lee-wang", "stiffness=5e6, restitution=0.5", 0},
-    {"lankarani-nikravesh", "stiffness=5e6, restitution=0.5", 0},
-    {"gonthier", "stiffness=5e6, restitution=0.5", 0},
-    {"zhiying-qishao", "stiffness=5e6, restitution=0.5", 0},
-    {"flores", "stiffness=5e6, restitution=0.5", 0},
-    {"hu-guo", "stiffness=5e6, restitution=0.5", 0},
-    {"jankowski", "stiffness=5e6, restitution=0.5", 1},
-    {"anagnostopoulos", "stiffness=1e5, restitution=0.5", 0},
-    {"walton-braun", "stiffness=1e5, restitution=0.5", 0},
-    {"walton-braun-variable", "stiffness=1e5, restitution=0.5, speed=1.0", 0},
-    {"thornton", "modulus=3e7, yield=3e6", 0},
-    {"jkr", "modulus=3e7, adhesion=20.0", 0},
-    {"dmt", "stiffness=5e6, adhesion=20.0", 0},
-    {"table",
-     "rows=[[0, -1, 0], [0, 0, 0], [0, 1, 20], [1e-4, -1, 2], [1e-4, 0, 6], [1e-4, 1, 26], [1e-3, -1, 60], [1e-3, 0, "
-     "100], [1e-3, 1, 120]]",
-     0},
-};
-
-/* Place of the law in the table above, -1 if it isn't there. */
-static int place_of(const char *law) {
-    for (size_t k = 0; k < sizeof normals / sizeof normals[0]; k++)
-        if (strcmp(normals[k].law, law) == 0) return (int)k;
-    return -1;
-}
-
 /* Total normal force of the tines on the product, and the overlap of one of them. */
 static scree_status loop_sample(scree_scene *scene, int first_tine, double *overlap, double *force) {
     scree_contact_state contact[16];
@@ -109,18 +63,17 @@ static const char script_8[] = "set title 'Normal force over overlap: 0.03 kg at
                                "(k-1)%%7+1 title word(laws, k)\n";
 
 /* The loop of one law: into the table, and its area into the report: the energy that it lacks, the product has kept. */
-static scree_status draw_loop(struct figures *figures, int place, FILE *file) {
+static scree_status draw_loop(struct figures *figures, const struct scree_normal_law *law, FILE *file) {
     double area = 0.0, speed = 0.0;
     char quantity[96];
-    scree_status status = run_loop(figures, normals[place].law, normals[place].settings, file, &area, &speed);
+    scree_status status = run_loop(figures, law->text.name, law->text.example, file, &area, &speed);
     if (status) return status;
     /* In the comb's frame the product meets it at 1 m/s and leaves at speed - 1. */
     double left = 0.5 * 0.03 * (speed - 1.0) * (speed - 1.0); /* a product that was never pushed hasn't met it */
-    snprintf(quantity, sizeof quantity, "area of the loop and energy left, %s (J)", normals[place].law);
+    snprintf(quantity, sizeof quantity, "area of the loop and energy left, %s (J)", law->text.name);
     /* Trapezia over 1500 steps: (1/1500)^2 of the loop, times a few where the branches bend; (1/1500)^(5/4) = 1.1e-4 where the
      * force begins like the fourth root of the overlap, ^(3/2) where it does like the second. */
-    figures_report(figures, "8", quantity, 0.5 * 0.03, speed > 0.0 ? area + left : 0.0,
-                   normals[place].root ? 2e-4 : 1e-5);
+    figures_report(figures, "8", quantity, 0.5 * 0.03, speed > 0.0 ? area + left : 0.0, law->root ? 2e-4 : 1e-5);
     return SCREE_OK;
 }
 
@@ -130,14 +83,13 @@ scree_status figure_8(struct figures *figures) {
     scree_status status = figures_table(figures, "fig_8", "law,overlap_m,force_N", &out);
     for (int l = 0; scree_normal_laws[l] && !status; l++) {
         const char *law = scree_normal_laws[l]->text.name;
-        int place = place_of(law);
-        if (place < 0) {
-            printf("8    the law %s isn't drawn: figure_laws.c has no parameters for it\n", law);
+        if (!scree_normal_laws[l]->text.example) {
+            printf("8    the law %s isn't drawn: its description has no example\n", law);
             continue;
         }
         size_t length = strlen(laws);
         snprintf(laws + length, sizeof laws - length, "%s%s", length ? " " : "", law);
-        status = draw_loop(figures, place, out.file);
+        status = draw_loop(figures, scree_normal_laws[l], out.file);
     }
     if (status) {
         scree_out_drop(&out, 0);
@@ -150,35 +102,29 @@ scree_status figure_8(struct figures *figures) {
 
 /* ---- figure 9: friction over velocity ---- */
 
-enum { FRICTIONS = 5 };
-
-static const struct {
-    const char *label, *law;
-} frictions[FRICTIONS] = {
-    {"ramp", "law=\"ramp\", kinetic=0.3, threshold=1e-3"},
-    {"tanh", "law=\"tanh\", kinetic=0.3, threshold=1e-3"},
-    {"step", "law=\"step\", static=0.4, kinetic=0.3, stiction_speed=1e-3, sliding_speed=2e-3"},
-    {"stick-slip", "law=\"stick-slip\", static=0.4, kinetic=0.3, threshold=1e-3"},
-    {"coulomb", "law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=4e4"},
-};
-
-/* The formula of a law without memory, written apart from the engine. */
-static double formula(int n, double v) {
-    double w = fabs(v) / 1e-3, mu = 0.0;
-    if (n == 0) mu = 0.3 * fmin(w, 1.0);
-    if (n == 1) mu = 0.3 * tanh(w);
-    if (n == 2) {
-        double s = fmin(fmax(w - 1.0, 0.0), 1.0);
-        mu = w < 1.0 ? 0.4 * (1.5 * w - 0.5 * w * w * w) : 0.4 - 0.1 * s * s * (3.0 - 2.0 * s);
-    }
-    if (n == 3) mu = w < 1.0 ? 0.4 * w : w < 1.5 ? 0.4 - 0.2 * (w - 1.0) : 0.3;
-    return v < 0.0 ? mu : -mu;
+/* The example of a friction law, apart from any scene. */
+static scree_status bake_example(const struct scree_friction_law *law, struct scree_rule *rule,
+                                 scree_trouble *trouble) {
+    scree_contact_def def = {.normal = scree_example(&scree_normal_laws[0]->text),
+                             .friction = scree_example(&law->text)};
+    return scree_bake_rule(&def, NULL, rule, trouble);
 }
 
-/* The product is driven to and fro over the surfaces; friction over normal force, once every 10 steps for one period. */
-static scree_status run_friction(struct figures *figures, int n, FILE *file, double *worst) {
-    char choice[160];
-    snprintf(choice, sizeof choice, "contact.0.friction={%s}", frictions[n].law);
+/* Friction over normal force of a law without memory at velocity v; 0 for one with memory. */
+static double coefficient(const struct scree_friction_law *law, const struct scree_rule *rule, double v) {
+    if (law->memory) return 0.0;
+    struct scree_sliding at = {.normal = 1.0, .velocity = {v, 0.0, 0.0}};
+    return law->force(&rule->friction_constants, (struct scree_pair_constants){{0.0}}, at).force.x;
+}
+
+/* The product is driven to and fro over the surfaces; friction over normal force, once every 10 steps for one period. `worst`
+ * receives the largest difference from the law's coefficient. */
+static scree_status run_friction(struct figures *figures, const struct scree_friction_law *law, FILE *file,
+                                 double *worst) {
+    char choice[240];
+    struct scree_rule rule;
+    if (bake_example(law, &rule, &figures->trouble)) return figures->trouble.status;
+    snprintf(choice, sizeof choice, "contact.0.friction={law=\"%s\", %s}", law->text.name, law->text.example);
     const char *changes[] = {
         choice, "motion.slope={name=\"slope\", kind=\"sine\", amplitude=3.97887357729738e-5, frequency=20.0}",
         "gravity=[0,0,-9.81]", "body.product.joint={x=\"slope\", z=\"free\", others=\"fixed\"}"};
@@ -197,8 +143,8 @@ static scree_status run_friction(struct figures *figures, int n, FILE *file, dou
             friction += contact[c].friction[0];
             normal += contact[c].normal_force;
         }
-        if (k >= 250) fprintf(file, "\"%s\",%.17g,%.17g\n", frictions[n].label, v, -friction / normal);
-        *worst = fmax(*worst, fabs(friction / normal - formula(n, v)));
+        if (k >= 250) fprintf(file, "\"%s\",%.17g,%.17g\n", law->text.name, v, -friction / normal);
+        *worst = fmax(*worst, fabs(friction / normal - coefficient(law, &rule, v)));
     }
     if (status) figures->trouble = *scree_scene_trouble(scene);
     scree_scene_destroy(scene);
@@ -209,26 +155,41 @@ static scree_status run_friction(struct figures *figures, int n, FILE *file, dou
 static const char script_9[] = "set title 'Friction coefficient over relative velocity'\n"
                                "set xlabel 'relative velocity (mm/s)'\nset ylabel 'friction force over "
                                "normal force'\nset key bottom right\n"
-                               "unset datafile columnheaders\nset yrange [-0.45:0.45]\n"
-                               "plot for [k=0:4] 'fig_9.csv' index k using ($2*1e3):3 with lines ls k+1 "
-                               "title word('ramp tanh step stick-slip coulomb', k+1)\n";
+                               "unset datafile columnheaders\nset yrange [-0.45:0.45]\nlaws = '%s'\n"
+                               "plot for [k=1:words(laws)] 'fig_9.csv' index k-1 using ($2*1e3):3 with lines ls "
+                               "(k-1)%%7+1 title word(laws, k)\n";
+
+/* The curve of one law into the table, and how well it follows its formula into the report. A law with memory has a loop
+ * instead of a curve. */
+static scree_status draw_friction(struct figures *figures, const struct scree_friction_law *law, FILE *file) {
+    double worst = 0.0;
+    char quantity[96];
+    scree_status status = run_friction(figures, law, file, &worst);
+    if (status || law->memory) return status;
+    snprintf(quantity, sizeof quantity, "coefficient against formula, largest difference, %s", law->text.name);
+    figures_report(figures, "9", quantity, 0.0, worst, 1e-14);
+    return SCREE_OK;
+}
 
 scree_status figure_9(struct figures *figures) {
     struct scree_out out = {0};
+    char laws[1024] = "", script[2048];
     scree_status status = figures_table(figures, "fig_9", "law,velocity_m_s,coefficient", &out);
-    for (int n = 0; n < FRICTIONS && !status; n++) {
-        double worst;
-        char quantity[96];
-        status = run_friction(figures, n, out.file, &worst);
-        if (status || n == FRICTIONS - 1) break; /* the sticking law has no curve: it has a loop */
-        snprintf(quantity, sizeof quantity, "coefficient against formula, largest difference, %s", frictions[n].label);
-        figures_report(figures, "9", quantity, 0.0, worst, 1e-14);
+    for (int l = 0; scree_friction_laws[l] && !status; l++) {
+        const struct scree_friction_law *law = scree_friction_laws[l];
+        if (!law->text.example) {
+            printf("9    the law %s isn't drawn: its description has no example\n", law->text.name);
+            continue;
+        }
+        size_t length = strlen(laws);
+        snprintf(laws + length, sizeof laws - length, "%s%s", length ? " " : "", law->text.name);
+        status = draw_friction(figures, law, out.file);
     }
     if (status) {
         scree_out_drop(&out, 0);
         return status;
     }
+    snprintf(script, sizeof script, script_9, laws);
     status = scree_out_keep(&out, &figures->trouble);
-    if (!status) status = figures_plot(figures, "fig_9", script_9);
-    return status;
+    return status ? status : figures_plot(figures, "fig_9", script);
 }

@@ -24,6 +24,7 @@ static void print_text(const struct scree_law_text *text, const char *kind, int 
         if (p->optional && !isnan(p->fallback)) printf("; %g if not given", p->fallback);
         printf("\n");
     }
+    if (text->example) printf("  example: { law = \"%s\", %s }\n", text->name, text->example);
 }
 
 /* What the law makes of the restitution it is asked for: computed, not quoted. */
@@ -54,6 +55,9 @@ static void print_list(void) {
     printf("friction laws\n");
     for (int k = 0; scree_friction_laws[k]; k++)
         printf("  %-22s %s\n", scree_friction_laws[k]->text.name, scree_friction_laws[k]->text.formula);
+    printf("rolling laws\n");
+    for (int k = 0; scree_rolling_laws[k]; k++)
+        printf("  %-22s %s\n", scree_rolling_laws[k]->text.name, scree_rolling_laws[k]->text.formula);
     printf("`scree laws NAME` tells more.\n");
 }
 
@@ -65,13 +69,17 @@ int cli_laws(int count, char **words) {
     for (int n = 0; n < count; n++) {
         int normal = scree_find_normal_law(words[n]), friction = scree_find_friction_law(words[n]);
         if (normal >= 0) print_normal(scree_normal_laws[normal]);
+        int rolling = scree_find_rolling_law(words[n]);
         if (friction >= 0)
             print_text(&scree_friction_laws[friction]->text, "friction law", scree_friction_laws[friction]->memory);
-        if (normal >= 0 || friction >= 0) continue;
+        if (rolling >= 0)
+            print_text(&scree_rolling_laws[rolling]->text, "rolling law", scree_rolling_laws[rolling]->memory);
+        if (normal >= 0 || friction >= 0 || rolling >= 0) continue;
         const char *names[128] = {0};
         int found = 0;
         for (int k = 0; scree_normal_laws[k]; k++) names[found++] = scree_normal_laws[k]->text.name;
         for (int k = 0; scree_friction_laws[k]; k++) names[found++] = scree_friction_laws[k]->text.name;
+        for (int k = 0; scree_rolling_laws[k]; k++) names[found++] = scree_rolling_laws[k]->text.name;
         return cli_complain("there is no law called \"%s\"%s", words[n], scree_hint(words[n], names).text);
     }
     return EXIT_GOOD;
