@@ -432,10 +432,10 @@ static void check_laws(const char *normal, const char *friction, const char *rol
 }
 
 /* Parameters of a law as its description gives them. */
-static const char *example_of(const struct scree_law_text *text, char choice[240]) {
+static const char *example_of(const struct scree_law_text *text, char choice[480]) {
     if (!text->example) printf("the law \"%s\" has no example\n", text->name);
     CHECK(text->example != NULL);
-    snprintf(choice, 240, "law = \"%s\", %s", text->name, text->example ? text->example : "");
+    snprintf(choice, 480, "law = \"%s\", %s", text->name, text->example ? text->example : "");
     return choice;
 }
 
@@ -458,7 +458,7 @@ static void test_loop_equals_laws(void) {
         "law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e4, damping = 20",
         "law = \"mindlin\", static = 0.4, kinetic = 0.3, shear_modulus = 1e6, damping = 0.2",
         "law = \"elastoplastic\", static = 3, kinetic = 2, stribeck_speed = 0.02, stiffness = 1e3, elastic = 0.1"};
-    char normal[240], friction[240];
+    char normal[480], friction[480];
     for (int n = 0; scree_normal_laws[n]; n++) {
         example_of(&scree_normal_laws[n]->text, normal);
         check_pair_of_laws(normal, NULL);
@@ -466,7 +466,7 @@ static void test_loop_equals_laws(void) {
             check_pair_of_laws(normal, example_of(&scree_friction_laws[f]->text, friction));
     }
     for (int r = 0; scree_rolling_laws[r]; r++) {
-        char rolling[240];
+        char rolling[480];
         example_of(&scree_rolling_laws[r]->text, rolling);
         check_laws(linear, NULL, rolling, 37);
         check_laws(linear, frictions[1], rolling, 37);

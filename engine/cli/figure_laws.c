@@ -26,7 +26,7 @@ static scree_status loop_sample(scree_scene *scene, int first_tine, double *over
 /* One impact at 1 m/s into the table; `area` of the loop by the trapezoidal rule, and the speed after. */
 static scree_status run_loop(struct figures *figures, const char *law, const char *settings, FILE *file, double *area,
                              double *speed) {
-    char choice[240];
+    char choice[480];
     snprintf(choice, sizeof choice, "contact.1.normal={law=\"%s\", %s}", law, settings);
     /* Some laws take the radius of corners: the tines get one, though none of their corners touches. */
     const char *changes[] = {choice, "body.3.shape={box=[0.03, 0.01, 0.025], rounding=1e-4}",
@@ -121,7 +121,7 @@ static double coefficient(const struct scree_friction_law *law, const struct scr
  * receives the largest difference from the law's coefficient. */
 static scree_status run_friction(struct figures *figures, const struct scree_friction_law *law, FILE *file,
                                  double *worst) {
-    char choice[240];
+    char choice[480];
     struct scree_rule rule;
     if (bake_example(law, &rule, &figures->trouble)) return figures->trouble.status;
     snprintf(choice, sizeof choice, "contact.0.friction={law=\"%s\", %s}", law->text.name, law->text.example);
