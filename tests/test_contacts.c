@@ -385,7 +385,7 @@ static struct vec turn_by_hand(const scree_scene *scene, const struct scree_rule
 /* Pairs of spheres pressed into each other at random, in numbers that leave lanes of the last block empty; some faster, some
  * slower, so that friction laws take all their branches. */
 static void check_laws(const char *normal, const char *friction, const char *rolling, int pairs) {
-    size_t size = 4096 + (size_t)pairs * 512;
+    size_t size = 4096 + (size_t)pairs * 1024;
     char *text = malloc(size);
     int used = snprintf(
         text, size,
