@@ -38,16 +38,17 @@ static inline struct scree_whole scree_whole_of(const struct scree_bodies *bodie
                                 corner ? &bodies->attitude[bodies->slot[ball]] : NULL};
 }
 
-/* A thin plate: inside its borders a plane, at its borders a sharp edge. It has two sides; the ball is on the side of its
- * body's centre, so that a corner pressed into the plate is still above it. A corner beyond the border, but below the side
- * that its body is on, meets the border as a wall. A corner deeper than `thick` is below the plate and doesn't touch. Force
- * and energy are continuous wherever a ball comes from, but for a corner pushed through that wall. */
+/* A thin plate: inside its borders a plane, at its borders a sharp edge. It has two sides: a sphere is on that of its centre, a
+ * corner above as long as it is there or its body is, so that it may be pressed in, and may stay while its body tips over
+ * the border. A corner beyond the border, but below its side, meets the border as a wall. A corner deeper than `thick` is below
+ * the plate and doesn't touch. Force and energy are continuous wherever a sphere comes from; a corner that is below while its
+ * body's centre passes the plate's level lets go of it, and from beneath only a corner with a rounding is held. */
 static inline struct scree_meeting scree_meet_rectangle(struct vec centre, double radius, struct scree_whole whole,
                                                         struct vec origin, const struct mat *frame,
                                                         const double half[3], double thick) {
     struct vec p = mat_undo(frame, vec_sub(centre, origin));
-    double above = whole.box ? vec_dot(frame->column[2], vec_sub(whole.centre, origin)) : p.z;
-    double side = above < 0.0 ? -1.0 : 1.0, height = side * p.z;
+    double above = whole.box ? vec_dot(frame->column[2], vec_sub(whole.centre, origin)) : -1.0;
+    double side = p.z < 0.0 && above < 0.0 ? -1.0 : 1.0, height = side * p.z;
     int below = radius - height > thick;
     double x = fabs(p.x) - half[0], y = fabs(p.y) - half[1]; /* beyond the border where positive */
     if (below || (x <= 0.0 && y <= 0.0))

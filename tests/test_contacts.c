@@ -86,8 +86,11 @@ static void test_corners(void) {
     const double plate[3] = {0.03, 0.03, 0.0};
     struct vec zero = vec(0.0, 0.0, 0.0), corner = vec(0.01, 0.01, -1e-4), mirrored = vec(0.01, 0.01, 1e-4);
     NEAR(scree_meet_rectangle(corner, 0.0, above, zero, &frame, plate, 0.05).overlap, 1e-4, 1e-18);
-    NEAR(scree_meet_rectangle(mirrored, 0.0, below, zero, &frame, plate, 0.05).normal.z, -1.0, 0.0);
-    NEAR(scree_meet_rectangle(mirrored, 0.0, below, zero, &frame, plate, 0.05).overlap, 1e-4, 1e-18);
+    /* From beneath, with a rounding of 1 mm, 0.1 mm deep; and a corner still above while its body has tipped below. */
+    struct vec beneath = vec(0.01, 0.01, -9e-4);
+    NEAR(scree_meet_rectangle(beneath, 1e-3, below, zero, &frame, plate, 0.05).normal.z, -1.0, 0.0);
+    NEAR(scree_meet_rectangle(beneath, 1e-3, below, zero, &frame, plate, 0.05).overlap, 1e-4, 1e-18);
+    NEAR(scree_meet_rectangle(mirrored, 0.0, below, zero, &frame, plate, 0.05).overlap, -1e-4, 1e-18);
     CHECK(scree_meet_rectangle(corner, 0.0, above, zero, &frame, plate, 5e-5).overlap == SCREE_OUTSIDE);
     /* Beyond the border and below the side of its box: a wall. */
     struct scree_meeting wall = scree_meet_rectangle(vec(0.0305, 0.0, -1e-3), 1e-3, above, zero, &frame, plate, 0.05);

@@ -277,6 +277,11 @@ static void test_borders(void) {
     CHECK(worst_balance(text, NULL, 0, 120000, 20) < 1e-4);
     CHECK(worst_balance(text, over, 1, 120000, 20) < 1e-4);
     CHECK(worst_balance(text, beneath, 4, 120000, 20) < 1e-4);
+    /* A bar that slides off a plate tips over its border: corners stay above while the bar's centre is below. */
+    static const char *const bar[] = {"body.ball.shape={box=[0.03, 0.05, 0.012], rounding=0.002}",
+                                      "body.ball.position=[0.23, 0, 0.014]", "body.ball.velocity=[0.3, 0, 0]",
+                                      "body.floor.position=[0, 0, -1]"};
+    CHECK(worst_balance(text, bar, 4, 200000, 20) < 1e-6);
 }
 
 /* Cubes that are just as large stand on each other; boxes that meet edge to edge, which no corner sees, don't pass unnoticed. */
