@@ -1,0 +1,83 @@
+/* scree-bench laws: time of a contact in the loop, for every law of the catalogue. */
+#include "bench/bench.h"
+
+#include "engine/cli/cli.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] = "usage: scree-bench laws [--repeats N]\n"
+                           "\n"
+                           "Time the contact loop with each law of the catalogue, its example's parameters, on one "
+                           "thread: 512 pairs of spheres\n"
+                           "that touch, slide and turn, all in the cache. Normal laws without friction; friction and "
+                           "rolling laws with the law\n"
+                           "\"linear\". Columns: kind, law, nanoseconds per contact (median of the repeats), and what "
+                           "of that isn't the gathering of\n"
+                           "bodies and the adding up of impulses, which \"linear\" without friction stands for.\n"
+                           "\n"
+                           "example: scree-bench laws --repeats 9\n";
+
+enum { PAIRS = 512, ROUNDS = 200, MOST_TEXT = PAIRS * 640 + 4096 };
+
+static const char linear[] = "law = \"linear\", stiffness = 1e4, restitution = 0.5";
+
+/* Pairs of spheres a little way into each other, far from other pairs. */
+static scree_scene *make_scene(const char *normal, const char *kind, const char *law) {
+    char *text = malloc(MOST_TEXT);
+    if (!text) exit(EXIT_MISSED);
+    size_t used =
+        (size_t)snprintf(text, MOST_TEXT,
+                         "[time]\nend = 1.0\nstep = 1e-6\nforce = true\n[output]\nwrite = []\n[[material]]\nname = "
+                         "\"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { %s }\n",
+                         normal);
+    if (law) used += (size_t)snprintf(text + used, MOST_TEXT - used, "%s = { %s }\n", kind, law);
+    for (int k = 0; k < 2 * PAIRS; k++)
+        used += (size_t)snprintf(text + used, MOST_TEXT - used,
+                                 "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\n"
+                                 "position = [%g, %g, 0]\nvelocity = [%g, 0.1, %g]\nspin = [1, %d, 3]\n",
+                                 k, 0.1 * (k / 2 % 32) + 0.01999 * (k % 2), 0.1 * (k / 64), 0.1 * (k % 3),
+                                 0.05 * (k % 5), k % 7);
+    scree_scene *scene = bench_scene_text(text, NULL, 0);
+    free(text);
+    return scene;
+}
+
+static double time_law(const char *normal, const char *kind, const char *law, int repeats) {
+    scree_scene *scene = make_scene(normal, kind, law);
+    double *times = malloc((size_t)repeats * sizeof *times), step = scree_scene_step_length(scene);
+    if (!times) exit(EXIT_MISSED);
+    for (int r = -1; r < repeats; r++) { /* once to warm up */
+        double begin = bench_now();
+        for (int k = 0; k < ROUNDS; k++) scree_contacts_act(&scene->contacts, &scene->bodies, step, 1);
+        if (r >= 0) times[r] = (bench_now() - begin) / (ROUNDS * PAIRS) * 1e9;
+    }
+    double median = bench_median(times, repeats);
+    free(times);
+    scree_scene_destroy(scene);
+    return median;
+}
+
+static void row(const char *kind, const struct scree_law_text *text, int repeats) {
+    char law[512];
+    snprintf(law, sizeof law, "law = \"%s\", %s", text->name, text->example ? text->example : "");
+    int normal = strcmp(kind, "normal") == 0;
+    double base = time_law(linear, NULL, NULL, repeats);
+    double time = normal ? time_law(law, NULL, NULL, repeats) : time_law(linear, kind, law, repeats);
+    printf("%s,%s,%.2f,%.2f\n", kind, text->name, time, time - base);
+}
+
+int bench_laws(int count, char **words) {
+    const char *repeats_text = NULL;
+    const struct cli_option options[] = {{.name = "--repeats", .value = &repeats_text}, {0}};
+    int code = cli_parse(&count, words, options, help);
+    if (code) return code < 0 ? EXIT_GOOD : code;
+    int repeats = repeats_text ? cli_whole_number(repeats_text, "--repeats", 1000) : 9;
+    if (!repeats) return EXIT_USAGE;
+    bench_describe_machine();
+    printf("kind,law,ns_per_contact,ns_beyond_linear\n");
+    for (int k = 0; scree_normal_laws[k]; k++) row("normal", &scree_normal_laws[k]->text, repeats);
+    for (int k = 0; scree_friction_laws[k]; k++) row("friction", &scree_friction_laws[k]->text, repeats);
+    for (int k = 0; scree_rolling_laws[k]; k++) row("rolling", &scree_rolling_laws[k]->text, repeats);
+    return EXIT_GOOD;
+}
