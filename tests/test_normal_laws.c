@@ -183,7 +183,8 @@ enum { FAMILY = sizeof family / sizeof family[0] };
 static int member(const char *label) {
     for (int k = 0; k < FAMILY; k++)
         if (strcmp(family[k].label, label) == 0) return k;
-    CHECK(!"a law of the family is unknown");
+    printf("the law \"%s\" of a table is unknown\n", label);
+    check_failures++;
     return 0;
 }
 
@@ -679,6 +680,14 @@ static void test_adhesive_impact(void) {
     NEAR(now.lost_normal / energy, 1.0 - e * e, 4.0 * tolerance);
     NEAR(now.balance / energy, 0.0, 4.0 * tolerance);
     CHECK(e < 0.9);
+    scree_scene_destroy(scene);
+    /* Bodies that overlap at the start attach in the first step, and that isn't lost twice. */
+    scene = hanging("jkr", -0.0039999, 0.0, 0.0);
+    go(scene, 50);
+    CHECK(touching(scene) && scree_scene_energy(scene, &now) == SCREE_OK);
+    CHECK(now.lost_normal > 1e-8);
+    /* Position Verlet keeps the energy to (step/period)^2, some 1e-5, of what swings. */
+    NEAR(now.balance, 0.0, 1e-3 * now.lost_normal);
     scree_scene_destroy(scene);
 }
 
