@@ -467,6 +467,8 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
         tangential_pair.c[c - SCREE_PAIR_FRICTION] = columns[c][lane];
     struct scree_normal_force f = normal->force(&rule->normal_constants, pair, pressing);
     if (!(normal->reach ? f.second > 0.0 : b.overlap[0] > 0.0)) return 0;
+    /* Until the loop has booked what attaching costs, the contact hasn't cost it. */
+    int unbooked = normal->reach && !(pressing.second > 0.0);
     double force = f.elastic + f.damping * b.closing[0];
     pressing.first = f.first;
     pressing.second = f.second;
@@ -475,6 +477,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->closing = b.closing[0];
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
     touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
+    if (unbooked) touch->stored += snap_energy(normal->stored, &rule->normal_constants, pair);
     touch->normal = get(b.n, 0);
     touch->point = vec_add(vec_from(bodies->record[contact->ball].x), get(b.arm, 0));
     touch->slip = get(b.slip, 0);

@@ -387,7 +387,7 @@ static struct vec turn_by_hand(const scree_scene *scene, const struct scree_rule
 
 /* Pairs of spheres pressed into each other at random, in numbers that leave lanes of the last block empty; some faster, some
  * slower, so that friction laws take all their branches. */
-static void check_laws(const char *normal, const char *friction, const char *rolling, int pairs) {
+static scree_scene *pressed_pairs(const char *normal, const char *friction, const char *rolling, int pairs) {
     size_t size = 4096 + (size_t)pairs * 1024;
     char *text = malloc(size);
     int used = snprintf(
@@ -409,6 +409,12 @@ static void check_laws(const char *normal, const char *friction, const char *rol
             check_between(&seed, -9.0, 9.0) * pace, 3.0 * pace, -7.0 * pace);
     }
     scree_scene *scene = scene_from(text, NULL, 0, 0);
+    free(text);
+    return scene;
+}
+
+static void check_laws(const char *normal, const char *friction, const char *rolling, int pairs) {
+    scree_scene *scene = pressed_pairs(normal, friction, rolling, pairs);
     double h = scree_scene_step_length(scene);
     const double none[3] = {0.0, 0.0, 0.0};
     scree_bodies_look_ahead(&scene->bodies, 0.0, h, none, 1.0);
@@ -431,7 +437,48 @@ static void check_laws(const char *normal, const char *friction, const char *rol
     free(impulse);
     free(turn);
     scree_scene_destroy(scene);
-    free(text);
+}
+
+/* The same after some steps, for laws that remember: force and memory of every contact, from the memory that it has. */
+static void check_remembering(const char *normal, int steps) {
+    scree_scene *scene = pressed_pairs(normal, NULL, NULL, 37);
+    scene->step = 1e-7; /* short against these contacts */
+    go(scene, steps);
+    struct scree_batch *batch = &scene->contacts.batch[scene->contacts.busy[0]];
+    const struct scree_normal_law *law = scree_normal_laws[scene->contacts.rule[0].normal];
+    const double none[3] = {0.0, 0.0, 0.0};
+    double h = scene->step;
+    struct scree_normal_force expected[64];
+    struct vec impulse[64];
+    int compared[64], touching = 0;
+    scree_bodies_look_ahead(&scene->bodies, scree_scene_time(scene), h, none, 1.0);
+    int remembering = 0;
+    for (int k = 0; k < batch->count; k++) {
+        int block = k / SCREE_LANES, lane = k % SCREE_LANES;
+        double(*kept)[SCREE_LANES] = batch->kept[block] + SCREE_KEPT_NORMAL;
+        struct scree_touch touch = {0};
+        int touches = scree_contacts_measure(&scene->contacts, &scene->bodies, 0, k, &touch);
+        remembering += touches && (kept[0][lane] != 0.0 || kept[1][lane] != 0.0);
+        struct scree_pair_constants pair;
+        for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = batch->pair[batch->uniform ? 0 : block][c][lane];
+        struct scree_pressing at = {touch.overlap, touch.closing, kept[0][lane], kept[1][lane]};
+        struct scree_normal_force f = law->force(&scene->contacts.rule[0].normal_constants, pair, at);
+        /* Wholly in touch, or wholly out. */
+        compared[k] = !touches || touch.overlap > h * fabs(touch.closing);
+        expected[k] = f;
+        if (!touches) expected[k].first = expected[k].second = 0.0;
+        impulse[k] = touches ? vec_scale(h * touch.normal_force, touch.normal) : vec(0.0, 0.0, 0.0);
+        touching += touches;
+    }
+    scree_contacts_act(&scene->contacts, &scene->bodies, h, 1);
+    for (int k = 0; k < batch->count; k++) {
+        double(*kept)[SCREE_LANES] = batch->kept[k / SCREE_LANES] + SCREE_KEPT_NORMAL;
+        CHECK(kept[0][k % SCREE_LANES] == expected[k].first && kept[1][k % SCREE_LANES] == expected[k].second);
+        const double *got = scene->bodies.record[batch->contact[k].ball].f;
+        if (compared[k]) CHECK(got[0] == impulse[k].x && got[1] == impulse[k].y && got[2] == impulse[k].z);
+    }
+    CHECK(touching > 10 && remembering > touching / 3); /* those that parted from the start have no impact speed */
+    scree_scene_destroy(scene);
 }
 
 /* Parameters of a law as its description gives them. */
@@ -467,6 +514,9 @@ static void test_loop_equals_laws(void) {
         check_pair_of_laws(normal, NULL);
         for (int f = 0; scree_friction_laws[f]; f++)
             check_pair_of_laws(normal, example_of(&scree_friction_laws[f]->text, friction));
+        if (!scree_normal_laws[n]->memory) continue;
+        check_remembering(normal, 3);
+        check_remembering(normal, 300);
     }
     for (int r = 0; scree_rolling_laws[r]; r++) {
         char rolling[480];
