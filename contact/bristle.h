@@ -34,10 +34,12 @@ static inline struct scree_bristle scree_bristle_path(struct scree_sliding at, s
     struct vec v = vec_scale(g > 0.0 ? 1.0 : 0.0, at.velocity);
     double a = s0 * vec_norm(at.velocity) / (g + SCREE_NO_FORCE), half = at.half;
     double fallen = scree_exp(-a * half), way = half * scree_eased(a * half, fallen);
+    /* Written as steps towards v = a z, so that saturation is met to rounding however small the steps. */
     struct scree_bristle path;
-    path.middle = vec_axpy(vec_scale(fallen, z), way, v);
-    path.end = vec_axpy(vec_scale(fallen, path.middle), way, v);
-    path.rate = vec_scale(fallen, vec_axpy(v, -a, z));
+    struct vec rate = vec_axpy(v, -a, z);
+    path.rate = vec_scale(fallen, rate);
+    path.middle = vec_axpy(z, way, rate);
+    path.end = vec_axpy(path.middle, way, path.rate);
     return path;
 }
 

@@ -1,0 +1,555 @@
+/* contact/: friction and rolling laws against tables, closed forms and the second law; one at a time and in the engine. */
+#include "tests/scenes.h"
+
+static const struct scree_pair_constants no_pair = {{0.0}};
+static const double g = 9.81;
+
+/* ---- one law by itself ---- */
+
+struct friction {
+    struct scree_rule rule;
+    const struct scree_friction_law *law;
+};
+
+static struct friction make(scree_law_choice choice) {
+    scree_contact_def def = {.normal = {"linear", 2, {{"stiffness", 1e5}, {"damping", 0.0}}}, .friction = choice};
+    struct friction f;
+    scree_trouble trouble = {0};
+    CHECK(scree_bake_rule(&def, NULL, &f.rule, &trouble) == SCREE_OK);
+    if (trouble.text[0]) printf("  %s\n", trouble.text);
+    f.law = scree_friction_laws[f.rule.friction];
+    return f;
+}
+
+static struct scree_tangential act(const struct friction *f, struct scree_pair_constants pair,
+                                   struct scree_sliding at) {
+    return f->law->force(&f->rule.friction_constants, pair, at);
+}
+
+/* Coefficient at speed v in a slanting direction: the force is against it, and the other way round with it. */
+static double coefficient(const struct friction *f, double v) {
+    struct vec along = vec(0.6, 0.0, -0.8);
+    struct scree_sliding at = {.normal = 2.0, .velocity = vec_scale(v, along)};
+    struct vec force = act(f, no_pair, at).force;
+    NEAR(vec_norm(vec_cross(force, along)), 0.0, 1e-15);
+    at.velocity = vec_scale(-v, along);
+    NEAR(vec_norm(vec_add(act(f, no_pair, at).force, force)), 0.0, 0.0);
+    return -vec_dot(force, along) / 2.0;
+}
+
+static void test_values(void) {
+    static const struct {
+        const char *column;
+        scree_law_choice choice;
+    } laws[] = {
+        {"linear", {"ramp", 2, {{"kinetic", 0.4}, {"threshold", 1e-3}}}},
+        {"tanh", {"tanh", 2, {{"kinetic", 0.4}, {"threshold", 1e-3}}}},
+        {"cubic",
+         {"step", 4, {{"static", 0.4}, {"kinetic", 0.4}, {"stiction_speed", 1e-3}, {"sliding_speed", 1.5e-3}}}},
+        {"threlfall", {"threlfall", 2, {{"kinetic", 0.4}, {"threshold", 1e-3}}}},
+        {"bengisu_akay",
+         {"bengisu-akay", 4, {{"static", 0.6}, {"kinetic", 0.4}, {"threshold", 1e-3}, {"fall", 100.0}}}},
+        {"ambrosio", {"ambrosio", 3, {{"kinetic", 0.4}, {"tolerance", 1e-4}, {"threshold", 1e-3}}}},
+        {"stribeck_exp",
+         {"stribeck", 4, {{"static", 0.6}, {"kinetic", 0.4}, {"stribeck_speed", 0.01}, {"threshold", 1e-5}}}},
+        {"simscape", {"simscape", 3, {{"static", 0.6}, {"kinetic", 0.4}, {"threshold", 1e-3}}}},
+        {"cfl_stick_slip", {"stick-slip", 3, {{"static", 0.6}, {"kinetic", 0.4}, {"threshold", 1e-3}}}},
+        {"adams_static_kinetic",
+         {"step", 4, {{"static", 0.6}, {"kinetic", 0.4}, {"stiction_speed", 1e-3}, {"sliding_speed", 1.5e-3}}}},
+    };
+    struct check_table *table = check_read("friction_law_values.csv");
+    CHECK(table->columns == 1 + (int)(sizeof laws / sizeof laws[0]) && table->rows == 11);
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+        struct friction f = make(laws[l].choice);
+        CHECK(f.law->memory == 0);
+        /* 15 digits in the table, a few roundings here. */
+        for (int row = 0; row < table->rows; row++)
+            NEAR(coefficient(&f, check_number(table, row, "v")), check_number(table, row, laws[l].column), 1e-15);
+        /* slope() bounds the rise of the coefficient, and no law has a jump. */
+        double slope = f.law->slope(&f.rule.friction_constants);
+        for (double v = 0.0; v < 3e-3; v += 1e-6)
+            CHECK(fabs(coefficient(&f, v + 1e-7) - coefficient(&f, v)) <= slope * 1e-7 * (1.0 + 1e-9));
+    }
+    free(table);
+}
+
+/* The viscous part, and Stribeck's curve with an exponent of its own. */
+static void test_viscous(void) {
+    struct friction f = make((scree_law_choice){"stribeck",
+                                                6,
+                                                {{"static", 0.6},
+                                                 {"kinetic", 0.4},
+                                                 {"stribeck_speed", 0.01},
+                                                 {"threshold", 1e-4},
+                                                 {"exponent", 0.8},
+                                                 {"viscous", 3.0}}});
+    for (double v = 2e-4; v < 1.0; v *= 1.7)
+        NEAR(coefficient(&f, v), 0.4 + 0.2 * exp(-pow(v / 0.01, 0.8)) + 3.0 * v, 1e-14);
+    f = make(
+        (scree_law_choice){"simscape", 4, {{"static", 0.6}, {"kinetic", 0.4}, {"threshold", 1e-3}, {"viscous", 3.0}}});
+    struct friction dry =
+        make((scree_law_choice){"simscape", 3, {{"static", 0.6}, {"kinetic", 0.4}, {"threshold", 1e-3}}});
+    for (double v = 1e-4; v < 1.0; v *= 1.7) NEAR(coefficient(&f, v) - coefficient(&dry, v), 3.0 * v, 1e-15);
+}
+
+/* ---- in the engine: a sphere on a plane, gravity tilted towards +x ---- */
+
+struct slope_case {
+    const char *friction, *rolling; /* tables as in a scene file; NULL: none */
+    double angle;                   /* rad */
+    int turns;                      /* a sphere that rolls; else a block, as it can't turn */
+    double speed, spin[3];          /* at the start */
+    double step;
+};
+
+enum { STIFFNESS = 1000000 };
+static const double radius = 0.01, mass = 0.004;
+
+/* It starts at the overlap that carries it, 4e-8 m: the lever of friction is shorter than the radius by 2e-6 of it. */
+static scree_scene *on_slope(const struct slope_case *c) {
+    char text[2048];
+    double sine = sin(c->angle), cosine = cos(c->angle);
+    snprintf(
+        text, sizeof text,
+        "gravity = [%.17g, 0, %.17g]\n[time]\nend = 100.0\nstep = %.17g\nspeed = 0.01\n[output]\nwrite = "
+        "[\"energy.csv\"]\n"
+        "[[material]]\nname = \"ball\"\n[[material]]\nname = \"floor\"\n"
+        "[[contact]]\nbetween = [\"ball\", \"floor\"]\nnormal = { law = \"linear\", stiffness = %d, damping = 30 }\n"
+        "%s%s%s%s%s%s"
+        "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"floor\"\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"ball\"\nshape = { sphere = %.17g }\nmass = %.17g\nmaterial = \"ball\"\n"
+        "position = [0, 0, %.17g]\nvelocity = [%.17g, 0, 0]\nspin = [%.17g, %.17g, %.17g]\n%s",
+        g * sine, -g * cosine, c->step, STIFFNESS, c->friction ? "friction = { " : "", c->friction ? c->friction : "",
+        c->friction ? " }\n" : "", c->rolling ? "rolling = { " : "", c->rolling ? c->rolling : "",
+        c->rolling ? " }\n" : "", radius, mass, radius - mass * g * cosine / STIFFNESS, c->speed, c->spin[0],
+        c->spin[1], c->spin[2], c->turns ? "" : "joint = { x = \"free\", z = \"free\", others = \"fixed\" }\n");
+    return scene_from(text, NULL, 0, 0);
+}
+
+static double speed_after(scree_scene *scene, double time) {
+    go(scene, lround(time / scree_scene_step_length(scene)));
+    return state_of(scene, "ball").velocity[0];
+}
+
+/* The table's creep speeds, by inversion of the law and by simulation. */
+static void test_creep(void) {
+    static const struct {
+        const char *column, *law;
+        double speed, from; /* m/s: unit of the table, and where it counts from */
+        scree_law_choice choice;
+    } laws[] = {{"linear_ramp", "ramp", 1e-3, 0.0, {"ramp", 2, {{"kinetic", 0.4}, {"threshold", 1e-3}}}},
+                {"tanh", "tanh", 1e-3, 0.0, {"tanh", 2, {{"kinetic", 0.4}, {"threshold", 1e-3}}}},
+                {"cubic_step",
+                 "step",
+                 1e-3,
+                 0.0,
+                 {"step", 4, {{"static", 0.4}, {"kinetic", 0.4}, {"stiction_speed", 1e-3}, {"sliding_speed", 2e-3}}}},
+                {"threlfall", "threlfall", 1e-3, 0.0, {"threlfall", 2, {{"kinetic", 0.4}, {"threshold", 1e-3}}}},
+                {"bengisu_akay",
+                 "bengisu-akay",
+                 1e-3,
+                 0.0,
+                 {"bengisu-akay", 4, {{"static", 0.4}, {"kinetic", 0.3}, {"threshold", 1e-3}, {"fall", 100.0}}}},
+                {"ambrosio_frac",
+                 "ambrosio",
+                 8e-4,
+                 2e-4,
+                 {"ambrosio", 3, {{"kinetic", 0.4}, {"tolerance", 2e-4}, {"threshold", 1e-3}}}},
+                {"simscape_brk1.2",
+                 "simscape",
+                 1e-3,
+                 0.0,
+                 {"simscape", 3, {{"static", 0.48}, {"kinetic", 0.4}, {"threshold", 1e-3}}}}};
+    struct check_table *table = check_read("friction_creep_on_incline.csv");
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+        struct friction f = make(laws[l].choice);
+        char choice[240];
+        int used = snprintf(choice, sizeof choice, "law = \"%s\"", laws[l].choice.law);
+        for (int k = 0; k < laws[l].choice.settings; k++)
+            used += snprintf(choice + used, sizeof choice - (size_t)used, ", %s = %.17g",
+                             laws[l].choice.setting[k].name, laws[l].choice.setting[k].value);
+        for (int row = 0; row < table->rows; row++) {
+            double r = check_number(table, row, "r");
+            double creep = laws[l].from + laws[l].speed * check_number(table, row, laws[l].column);
+            /* The coefficient is flat near its top: its rounding of 1e-16 counts for up to 1/(1 - r) = 100 times. */
+            CLOSE(scree_creep_speed(f.law, &f.rule.friction_constants, 0.4 * r), creep, 1e-13);
+            if (row % 3 || r > 0.9) continue;
+            /* From rest the speed settles within some v_t/(mu g (1 - r)) = 3 ms; rounding of positions, 1e-16 R, makes
+             * the normal force uncertain by 1e-16 R k of 0.04 N: 3e-11. */
+            struct slope_case c = {.friction = choice, .angle = atan(0.4 * r), .step = 4e-6};
+            scree_scene *scene = on_slope(&c);
+            CLOSE(speed_after(scene, 0.2), creep, 1e-9);
+            scree_scene_destroy(scene);
+        }
+    }
+    free(table);
+}
+
+/* Laws that stick bring a load below the largest to rest, and the friction force is the load. */
+static void test_rest(void) {
+    static const char *const laws[] = {
+        "law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e5, damping = 20",
+        "law = \"mindlin\", static = 0.4, kinetic = 0.3, shear_modulus = 1e9, damping = 0.5",
+        "law = \"mindlin-incremental\", static = 0.4, kinetic = 0.3, shear_modulus = 1e9, damping = 0.5",
+        "law = \"karnopp\", static = 0.4, kinetic = 0.3, band = 1e-3, stiffness = 1e5, damping = 20",
+        "law = \"lugre\", static = 0.4, kinetic = 0.3, stribeck_speed = 1e-2, stiffness = 1e5, damping = 20",
+        "law = \"elastoplastic\", static = 0.4, kinetic = 0.3, stribeck_speed = 1e-2, stiffness = 1e5, damping = 20"};
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++)
+        for (double r = 0.1; r < 0.7; r += 0.25) {
+            struct slope_case c = {.friction = laws[l], .angle = atan(0.4 * r), .step = 2e-6};
+            scree_scene *scene = on_slope(&c);
+            double speed = speed_after(scene, 0.2);
+            scree_contact_state contact;
+            int count;
+            CHECK(scree_scene_contacts(scene, &contact, 1, &count) == SCREE_OK && count == 1);
+            /* All have died out but rounding of positions, 1e-18 m a step of 2e-6 s. */
+            NEAR(speed, 0.0, 1e-11);
+            CLOSE(-contact.friction[0], mass * g * sin(c.angle), 1e-6);
+            scree_energy energy;
+            CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
+            CHECK(energy.lost_tangential >= -1e-16);
+            scree_scene_destroy(scene);
+        }
+}
+
+/* ---- bristles ---- */
+
+/* Drive a bristle law along x by steps of random length and speed; returns the force at the end of the way. */
+static double drive(const struct friction *f, double normal, double way, double pace, uint64_t *seed,
+                    struct scree_tangential *state) {
+    double sign = way < 0.0 ? -1.0 : 1.0, left = fabs(way);
+    while (left > 0.0) {
+        double part = fmin(left, check_between(seed, 0.0, 1e-7)), speed = pace * check_between(seed, 0.5, 2.0);
+        struct scree_sliding at = {.normal = normal, .half = 0.5 * part / speed, .stretch = state->stretch};
+        at.velocity = vec(sign * speed, 0.0, 0.0);
+        *state = act(f, no_pair, at);
+        left -= part;
+    }
+    return -state->stretch.x;
+}
+
+/* Dahl's force depends on the way alone: loading, reversal, and the place where a load comes to rest. */
+static void test_dahl(void) {
+    struct friction f = make((scree_law_choice){"dahl", 2, {{"kinetic", 0.3}, {"stiffness", 1e5}}});
+    double normal = 2.0, most = 0.6, scale = most / 1e5; /* N; m */
+    uint64_t seed = 5;
+    for (double r = 0.1; r < 0.99; r += 0.1) {
+        struct scree_tangential state = {.sliding = 0.0};
+        double stop = -scale * log(1.0 - r);
+        /* A few hundred steps of rounding each. */
+        double there = drive(&f, normal, stop, 0.3, &seed, &state);
+        CLOSE(-1e5 * there, r * most, 1e-13);
+        double back = drive(&f, normal, -2.0 * stop, 1e-3, &seed, &state);
+        NEAR(-1e5 * back, most * (-1.0 + (1.0 + r) * exp(-2.0 * stop / scale)), 1e-13);
+    }
+}
+
+/* Slow presliding of lugre is Dahl's with mu_s; of elastoplastic a spring up to its elastic range. */
+static void test_presliding(void) {
+    scree_setting settings[] = {{"static", 0.4}, {"kinetic", 0.3}, {"stribeck_speed", 1.0}, {"stiffness", 1e5}};
+    scree_law_choice choice = {.law = "lugre", .settings = 4};
+    memcpy(choice.setting, settings, sizeof settings);
+    struct friction lugre = make(choice);
+    choice.law = "elastoplastic";
+    struct friction plastic = make(choice);
+    uint64_t seed = 6;
+    for (double way = 1e-6; way < 3e-5; way *= 1.5) {
+        struct scree_tangential state = {.sliding = 0.0};
+        /* At 1e-6 of Stribeck's speed the curve is at mu_s to 1e-12. */
+        double there = drive(&lugre, 2.0, way, 1e-6, &seed, &state);
+        CLOSE(-there, 8e-6 * (1.0 - exp(-way / 8e-6)), 1e-11);
+        if (way > 0.7 * 6e-6) continue;
+        state = (struct scree_tangential){.sliding = 0.0};
+        there = drive(&plastic, 2.0, way, 1e-6, &seed, &state);
+        double back = drive(&plastic, 2.0, -way, 1e-6, &seed, &state);
+        CLOSE(-there, way, 1e-14);
+        NEAR(back, 0.0, 1e-19);
+    }
+    /* Steady sliding is on Stribeck's curve. */
+    for (double v = 1e-2; v < 10.0; v *= 2.0) {
+        struct scree_tangential a = {.sliding = 0.0}, b = {.sliding = 0.0};
+        double curve = 2.0 * (0.3 + 0.1 * exp(-v * v));
+        for (int k = 0; k < 20000; k++) {
+            struct scree_sliding at = {.normal = 2.0, .half = 1e-8 / v, .velocity = {0.0, v, 0.0}};
+            at.stretch = a.stretch;
+            a = act(&lugre, no_pair, at);
+            at.stretch = b.stretch;
+            b = act(&plastic, no_pair, at);
+        }
+        /* 20000 x 2e-8 m are 50 lengths g/s_0: nothing is left of the start. */
+        CLOSE(-a.force.y, curve, 1e-13);
+        CLOSE(-b.force.y, curve, 1e-13);
+    }
+}
+
+/* A block under a load that vibrates below breakaway: how far it moves during the last 10 of 20 cycles, m. */
+static double drift(const struct friction *f) {
+    const double h = 2e-6, cycle = 0.01;
+    double x = 0.0, v = 0.0, before = 0.0;
+    struct vec stretch = {0.0, 0.0, 0.0};
+    long steps = lround(cycle / h);
+    for (long n = 0; n < 20 * steps; n++) {
+        if (n == 10 * steps) before = x;
+        double load = 0.6 * (0.3 + 0.25 * sin(2.0 * 3.14159265358979323846 * (double)n * h / cycle));
+        struct scree_sliding at = {.normal = 2.0, .half = 0.5 * h, .velocity = {v, 0.0, 0.0}, .stretch = stretch};
+        struct scree_tangential t = act(f, no_pair, at);
+        stretch = t.stretch;
+        x += h * v;
+        v += h * (load + t.force.x) / 0.01;
+    }
+    return x - before;
+}
+
+static void test_drift(void) {
+    scree_setting settings[] = {
+        {"static", 0.4}, {"kinetic", 0.3}, {"stribeck_speed", 1e-2}, {"stiffness", 1e5}, {"damping", 30.0}};
+    scree_law_choice choice = {.law = "lugre", .settings = 5};
+    memcpy(choice.setting, settings, sizeof settings);
+    struct friction lugre = make(choice);
+    choice.law = "elastoplastic";
+    struct friction plastic = make(choice);
+    /* Bristles bend by 6e-6 m. lugre ratchets by a part of that per cycle; the load stays within the elastic range. */
+    CHECK(drift(&lugre) > 1e-6);
+    NEAR(drift(&plastic), 0.0, 1e-12);
+}
+
+/* ---- energy ---- */
+
+/* Whatever the state, a step takes energy out at constant overlap, in any direction. Bristles without exception; a slider unless
+ * the ball already moves along the force on it (the step in which the slip turns round). */
+static void test_takes_energy(void) {
+    uint64_t seed = 12;
+    for (int l = 0; scree_friction_laws[l]; l++) {
+        struct friction f = make(scree_example(&scree_friction_laws[l]->text));
+        const struct scree_law_constants *constants = &f.rule.friction_constants;
+        struct scree_pair_constants pair = no_pair;
+        if (f.law->pair) pair = f.law->pair(constants, 0.02, 0.01);
+        int bristle = strcmp(f.law->text.name, "dahl") == 0 || strcmp(f.law->text.name, "lugre") == 0 ||
+                      strcmp(f.law->text.name, "elastoplastic") == 0;
+        struct scree_tangential kept = {.sliding = 0.0};
+        double total = 0.0;
+        for (int trial = 0; trial < 20000; trial++) {
+            /* A walk: the state goes on, the load and the velocity jump. Now and then it starts anew. */
+            if (trial % 50 == 0) kept = (struct scree_tangential){.sliding = 0.0};
+            double pace = pow(10.0, check_between(&seed, -5.0, 1.0));
+            struct scree_sliding at = {.normal = check_between(&seed, -2.0, 10.0), .overlap = 1e-5};
+            at.normal = at.normal > 0.0 ? at.normal : 0.0;
+            at.half = 0.5e-7 * pow(10.0, check_between(&seed, 0.0, 4.0));
+            at.velocity = vec(pace * check_between(&seed, -1.0, 1.0), pace * check_between(&seed, -1.0, 1.0), 0.0);
+            at.stretch = kept.stretch;
+            at.sliding = kept.sliding;
+            kept = act(&f, pair, at);
+            double work = -2.0 * at.half * vec_dot(kept.force, at.velocity);
+            double before = f.law->stored(constants, pair, at);
+            struct scree_sliding after = at;
+            after.stretch = kept.stretch;
+            double stored = f.law->stored(constants, pair, after) - before;
+            if (!bristle && work < 0.0) continue;
+            total += work - stored;
+            CHECK(work - stored >= -1e-14 * (fabs(work) + before)); /* rounding */
+            /* Static friction is the most that anything holds; the viscous parts and the dashpots come on top. */
+            if (at.normal == 0.0) CHECK(vec_norm(kept.force) == 0.0);
+        }
+        CHECK(total > 1e-3);
+    }
+}
+
+/* A contact with Mindlin's stiffness sheared to and fro at constant load: k_t x while it sticks, and 4 mu N (A - mu N/k_t) J
+ * lost per cycle once it slides. */
+static void test_mindlin_cycles(void) {
+    static const char *const names[] = {"mindlin", "mindlin-incremental"};
+    const double shear = 1e9, lever = 0.01, overlap = 4e-6, normal = 2.0, mu = 0.3;
+    double k = 8.0 * shear * sqrt(lever * overlap), amplitude = 2.5 * mu * normal / k;
+    for (int n = 0; n < 2; n++) {
+        struct friction f =
+            make((scree_law_choice){names[n], 3, {{"static", mu}, {"kinetic", mu}, {"shear_modulus", shear}}});
+        struct scree_pair_constants pair = f.law->pair(&f.rule.friction_constants, 0.02, lever);
+        CLOSE(f.law->stiffness(&f.rule.friction_constants, pair, overlap), k, 1e-15);
+        struct scree_tangential state = {.sliding = 0.0};
+        const int steps = 4000; /* from -A to A */
+        double lost[2] = {0.0}, h = 1e-6, x = 0.0;
+        for (int half_cycle = 0; half_cycle < 5; half_cycle++) { /* the first one starts in the middle */
+            double way = (half_cycle % 2 ? -1.0 : 1.0) * (half_cycle ? 2.0 : 1.0) * amplitude, work = 0.0;
+            for (int s = 0; s < steps; s++) {
+                struct scree_sliding at = {.normal = normal, .overlap = overlap, .half = 0.5 * h};
+                at.velocity = vec(way / steps / h, 0.0, 0.0);
+                at.stretch = state.stretch;
+                at.sliding = state.sliding;
+                state = act(&f, pair, at);
+                x += way / steps;
+                work -= h * state.force.x * at.velocity.x;
+                if (half_cycle == 0 && !(state.sliding > 0.0)) /* the force is that of the middle of the step */
+                    CLOSE(-state.force.x, k * (x - 0.5 * way / steps), 1e-12);
+            }
+            if (half_cycle) lost[(half_cycle - 1) / 2] += work;
+        }
+        /* The border between sticking and sliding falls somewhere in a step, of a width of 1/800 of the loop: its square. */
+        CLOSE(lost[0], 4.0 * mu * normal * (amplitude - mu * normal / k), 1e-5);
+        CLOSE(lost[1], 4.0 * mu * normal * (amplitude - mu * normal / k), 1e-5);
+    }
+}
+
+/* Stretch x at overlap 4d, then the load falls to overlap d: the force falls by half with the memory in the stretch, and stays with it in
+ * the force. Going back by x, the second leaves k(d) x - k(4d) x, and so has given more than was put in: k(4d) x^2/2 - k(d) x^2/2. */
+static void test_mindlin_memories(void) {
+    static const char *const names[] = {"mindlin", "mindlin-incremental"};
+    const double shear = 1e9, overlap = 1e-6, x = 1e-8, h = 1e-6;
+    for (int n = 0; n < 2; n++) {
+        struct friction f =
+            make((scree_law_choice){names[n], 3, {{"static", 10.0}, {"kinetic", 10.0}, {"shear_modulus", shear}}});
+        struct scree_pair_constants pair = f.law->pair(&f.rule.friction_constants, 0.02, 0.01);
+        double k = 8.0 * shear * sqrt(0.01 * overlap), work = 0.0;
+        struct scree_sliding at = {.normal = 10.0, .overlap = 4.0 * overlap, .half = 0.5 * h};
+        at.velocity = vec(0.0, x / h, 0.0);
+        struct scree_tangential t = act(&f, pair, at);
+        CLOSE(-t.force.y, k * x, 1e-14); /* half the stretch at twice the stiffness */
+        work -= t.force.y * x;
+        at = (struct scree_sliding){.normal = 10.0, .overlap = overlap, .stretch = t.stretch};
+        t = act(&f, pair, at);
+        CLOSE(-t.force.y, n == 0 ? k * x : 2.0 * k * x, 1e-14);
+        at.half = 0.5 * h;
+        at.velocity = vec(0.0, -x / h, 0.0);
+        t = act(&f, pair, at);
+        work += t.force.y * x;
+        at = (struct scree_sliding){.normal = 10.0, .overlap = overlap, .stretch = t.stretch};
+        NEAR(-act(&f, pair, at).force.y, n == 0 ? 0.0 : k * x, 1e-13 * k * x);
+        CLOSE(work, n == 0 ? 0.5 * k * x * x : -0.5 * k * x * x, 1e-13);
+    }
+}
+
+/* ---- slopes ---- */
+
+/* Acceleration along the slope, m/s^2, and of R w, once what the start set off has died out. */
+static void accelerations(const struct slope_case *c, double from, double to, double *along, double *turning) {
+    scree_scene *scene = on_slope(c);
+    speed_after(scene, from);
+    scree_body_state first = state_of(scene, "ball");
+    speed_after(scene, to - from);
+    scree_body_state last = state_of(scene, "ball");
+    *along = (last.velocity[0] - first.velocity[0]) / (to - from);
+    *turning = radius * (last.spin[1] - first.spin[1]) / (to - from);
+    scree_scene_destroy(scene);
+}
+
+static void test_inclines(void) {
+    static const char *const laws[] = {
+        "law = \"coulomb\", static = %g, kinetic = %g, stiffness = 1e6, damping = 60",
+        "law = \"karnopp\", static = %g, kinetic = %g, band = 1e-3, stiffness = 1e6, damping = 60",
+        "law = \"mindlin\", static = %g, kinetic = %g, shear_modulus = 6e9, damping = 0.5",
+        "law = \"lugre\", static = %g, kinetic = %g, stribeck_speed = 1.0, stiffness = 1e6, damping = 60"};
+    struct check_table *table = check_read("incline_block_and_sphere.csv");
+    for (int row = 0; row < table->rows; row++)
+        for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+            double mu = check_number(table, row, "mu"), along, turning;
+            double degree = 3.14159265358979323846 / 180.0;
+            char law[160];
+            snprintf(law, sizeof law, laws[l], mu, mu);
+            struct slope_case c = {
+                .friction = law, .angle = check_number(table, row, "alpha_deg") * degree, .step = 5e-6};
+            accelerations(&c, 0.01, 0.03, &along, &turning);
+            /* A block: friction is mu N to rounding, where it slides; rest to what is left of the start, e^-75 of it. */
+            NEAR(along, check_number(table, row, "a_block"), 1e-8);
+            c.turns = 1;
+            accelerations(&c, 0.01, 0.03, &along, &turning);
+            /* A sphere: its lever is shorter by the overlap of 4e-8 m, 4e-6 of R. */
+            NEAR(along, check_number(table, row, "a_sphere"), 2e-5);
+            NEAR(turning, check_number(table, row, "R_domega_dt"), 2e-5);
+        }
+    free(table);
+}
+
+/* ---- rolling ---- */
+
+static const char no_slip[] = "law = \"coulomb\", static = 0.8, kinetic = 0.8, stiffness = 1e6, damping = 60";
+
+static void test_rolling_on_flat(void) {
+    static const char *const laws[] = {"law = \"constant\", rolling = %g",
+                                       "law = \"spring-dashpot\", rolling = %g, stiffness = 1e5, damping = 10"};
+    struct check_table *table = check_read("rolling_resistance_flat.csv");
+    for (int row = 0; row < table->rows; row++)
+        for (int l = 0; l < 2; l++) {
+            char law[120];
+            double v0 = check_number(table, row, "v0"), stop = check_number(table, row, "stop_time"), along, turning;
+            snprintf(law, sizeof law, laws[l], check_number(table, row, "mu_r"));
+            struct slope_case c = {.friction = no_slip, .rolling = law, .turns = 1, .speed = v0, .step = 5e-6};
+            c.spin[1] = v0 / radius;
+            accelerations(&c, 0.02, 0.06, &along, &turning);
+            /* The lever is shorter than R by 2e-6 of it; the rolling spring and the spring of friction take 1e-8 m to stretch. */
+            CLOSE(-along, check_number(table, row, "deceleration"), 2e-5);
+            CLOSE(-turning, check_number(table, row, "deceleration"), 2e-5);
+            if (stop > 0.8) continue;
+            scree_scene *scene = on_slope(&c);
+            go(scene, lround(stop / c.step));
+            CLOSE(state_of(scene, "ball").position[0], check_number(table, row, "stop_distance"), 3e-5);
+            /* Then it swings on the springs until that has died out, or chatters by M h/I, 5/2 mu_r g h of R w. */
+            NEAR(speed_after(scene, 0.05), 0.0, l == 0 ? 2.5 * 0.2 * g * c.step : 1e-9);
+            scree_scene_destroy(scene);
+        }
+    free(table);
+}
+
+/* On a slope the rolling spring holds up to tan(angle) = mu_r, and beyond that a = 5/7 g (sin - mu_r cos). */
+static void test_rolling_on_slope(void) {
+    static const char law[] = "law = \"spring-dashpot\", rolling = 0.1, stiffness = 1e5, damping = 10";
+    for (double tangent = 0.02; tangent < 0.2; tangent += 0.03) {
+        double along, turning, angle = atan(tangent);
+        struct slope_case c = {.friction = no_slip, .rolling = law, .turns = 1, .angle = angle, .step = 5e-6};
+        accelerations(&c, 0.05, 0.1, &along, &turning);
+        double expected = tangent <= 0.1 ? 0.0 : 5.0 / 7.0 * g * (sin(angle) - 0.1 * cos(angle));
+        NEAR(along, expected, tangent <= 0.1 ? 1e-8 : 2e-5); /* the lever again */
+    }
+    /* Viscous: v = tan(angle)/eta_r, reached within 7/5 /(eta_r g) = 7 ms. */
+    struct slope_case c = {.friction = no_slip,
+                           .rolling = "law = \"viscous\", rolling = 20",
+                           .turns = 1,
+                           .angle = atan(0.05),
+                           .step = 5e-6};
+    scree_scene *scene = on_slope(&c);
+    CLOSE(speed_after(scene, 0.3), 0.05 / 20.0, 2e-5);
+    scree_scene_destroy(scene);
+}
+
+/* A sphere that spins about the vertical: the coefficient of twisting stops it, at 5/2 mu_t g/R; the books balance. */
+static void test_twisting(void) {
+    static const char *const laws[] = {
+        "law = \"constant\", rolling = 0.05, twisting = 0.02, threshold = 1e-4",
+        "law = \"spring-dashpot\", rolling = 0.05, twisting = 0.02, stiffness = 1e5, damping = 10"};
+    for (int l = 0; l < 2; l++) {
+        struct slope_case c = {
+            .friction = no_slip, .rolling = laws[l], .turns = 1, .spin = {0.0, 0.0, 20.0}, .step = 5e-6};
+        scree_scene *scene = on_slope(&c);
+        go(scene, 4000);
+        double before = state_of(scene, "ball").spin[2];
+        go(scene, 10000);
+        scree_contact_state contact;
+        int count;
+        CHECK(scree_scene_contacts(scene, &contact, 1, &count) == SCREE_OK && count == 1);
+        CLOSE(-contact.rolling[2], 0.02 * radius * mass * g, 1e-9);
+        CLOSE((before - state_of(scene, "ball").spin[2]) / 0.05, 2.5 * 0.02 * g / radius, 1e-9);
+        go(scene, 100000); /* 20 rad/s last 0.41 s */
+        NEAR(state_of(scene, "ball").spin[2], 0.0, 1e-4);
+        scree_energy energy;
+        CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
+        CLOSE(energy.lost_tangential, 0.5 * 0.4 * mass * radius * radius * 400.0, 1e-4); /* h M/(I w) of the end */
+        NEAR(energy.balance, 0.0, 1e-4 * energy.lost_tangential);
+        scree_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    test_values();
+    test_viscous();
+    test_creep();
+    test_rest();
+    test_dahl();
+    test_presliding();
+    test_drift();
+    test_takes_energy();
+    test_mindlin_cycles();
+    test_mindlin_memories();
+    test_inclines();
+    test_rolling_on_flat();
+    test_rolling_on_slope();
+    test_twisting();
+    return check_report();
+}
