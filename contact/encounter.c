@@ -79,27 +79,29 @@ static struct vec sticking_rate(const struct pair *p, struct scree_sliding at) {
     return vec_scale(0.5 / at.half, rub(p, at).stretch);
 }
 
+/* While a slider slips the stretch may grow beyond the cap within a step, but turns as the cut one does. */
+static struct vec slipping_rate(const struct pair *p, const struct instant *now) {
+    struct vec stretch = now->at.stretch, rate = sticking_rate(p, now->at);
+    double size2 = vec_norm2(stretch), cut2 = vec_norm2(now->friction.stretch);
+    if (!(cut2 > 0.0) || !(size2 > 0.0)) return rate;
+    double along = vec_dot(rate, stretch) / size2;
+    return vec_axpy(vec_scale(sqrt(size2 / cut2), vec_axpy(rate, -along, stretch)), along, stretch);
+}
+
 static struct vec memory_rate(const struct pair *p, const struct instant *now) {
     double half = 1e-6 * p->time;
-    struct vec stretch = now->at.stretch;
-    if (p->projects && (now->friction.sliding > 0.0 || now->at.normal == 0.0)) {
-        /* The stretch may grow beyond the cap, but turns as the cut one does. */
-        struct vec rate = sticking_rate(p, now->at);
-        double size2 = vec_norm2(stretch), cut2 = vec_norm2(now->friction.stretch);
-        if (!(cut2 > 0.0) || !(size2 > 0.0)) return rate;
-        double along = vec_dot(rate, stretch) / size2;
-        return vec_axpy(vec_scale(sqrt(size2 / cut2), vec_axpy(rate, -along, stretch)), along, stretch);
-    }
+    if (p->projects && now->at.sliding > 0.0) return slipping_rate(p, now);
     struct scree_sliding later = now->at, sooner = now->at;
     later.half = half;
     sooner.half = -half;
     struct scree_tangential a = rub(p, later), b = rub(p, sooner);
-    /* Close to sticking or slipping only one side is of this phase. */
+    /* Close to sticking or slipping only one side is of this phase, close to the first touch perhaps neither. */
     int after = (a.sliding > 0.0) == (now->friction.sliding > 0.0);
     int before = (b.sliding > 0.0) == (now->friction.sliding > 0.0);
-    if (after && !before) return vec_scale(0.5 / half, vec_sub(a.stretch, now->friction.stretch));
-    if (before && !after) return vec_scale(0.5 / half, vec_sub(now->friction.stretch, b.stretch));
-    return vec_scale(0.25 / half, vec_sub(a.stretch, b.stretch));
+    if (after && before) return vec_scale(0.25 / half, vec_sub(a.stretch, b.stretch));
+    if (after) return vec_scale(0.5 / half, vec_sub(a.stretch, now->friction.stretch));
+    if (before) return vec_scale(0.5 / half, vec_sub(now->friction.stretch, b.stretch));
+    return sticking_rate(p, now->at);
 }
 
 static struct state rates(const struct pair *p, const struct phase *phase, const struct state *s) {
@@ -202,7 +204,7 @@ static void settle(const struct pair *p, struct phase *phase, struct phase next,
 static double locate(const struct pair *p, const struct phase *phase, const struct state *s, const struct state *rate,
                      double h) {
     double low = 0.0, high = h;
-    for (int k = 0; k < 60 && high - low > 1e-16 * h; k++) {
+    for (int k = 0; k < 60 && high - low > 1e-16 * p->time; k++) {
         double middle = 0.5 * (low + high);
         struct state end = step(p, phase, s, rate, middle, NULL);
         struct phase next = phase_at(p, phase, &end);

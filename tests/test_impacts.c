@@ -54,7 +54,6 @@ static void test_linear_springs(void) {
         double slip = after.ball.velocity.x + vec_cross(after.ball.spin, after.ball.arm).x;
         NEAR(slip / e.ball.velocity.z, -check_number(table, row, "vs_rebound_over_vn"), 1e-9);
         NEAR(after.ball.velocity.x / e.ball.velocity.x, check_number(table, row, "e_t"), 1e-9);
-        printf("%g %ld %g %g\n", angle * 180 / pi, after.steps,
                after.ball.velocity.x / e.ball.velocity.x - check_number(table, row, "e_t"), after.restitution - 1);
         NEAR(after.duration, pi * sqrt(mass / stiffness), 1e-10 * after.duration);
         check_books(&e, &after);
