@@ -374,7 +374,10 @@ static void test_loop_equals_laws(void) {
         "law = \"linear-loading\", stiffness = 1e4, restitution = 0.5",
         "law = \"blend\", stiffness = 1e6, exponent = 1.37, damping = 2.0, full = 5e-4",
         "law = \"hunt-crossley\", stiffness = 1e6, factor = 0.5",
-        "law = \"impact\", stiffness = 1e6, exponent = 1.5, damping = 2.0, full = 5e-4"};
+        "law = \"impact\", stiffness = 1e6, exponent = 1.5, damping = 2.0, full = 5e-4",
+        "law = \"hertz\", modulus = 1e7",
+        "law = \"tsuji\", modulus = 1e7, restitution = 0.5",
+        "law = \"tsuji-cut\", stiffness = 1e6, alpha = 0.3"};
     static const char *const frictions[] = {
         NULL,
         "law = \"ramp\", kinetic = 0.3, threshold = 0.01",
