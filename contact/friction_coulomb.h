@@ -8,7 +8,7 @@
 #ifndef SCREE_CONTACT_FRICTION_COULOMB_H
 #define SCREE_CONTACT_FRICTION_COULOMB_H
 
-#include "contact/law.h"
+#include "contact/slider.h"
 
 enum { COULOMB_STATIC, COULOMB_KINETIC, COULOMB_STIFFNESS, COULOMB_DAMPING };
 
@@ -28,30 +28,16 @@ static const struct scree_parameter coulomb_parameters[] = {
 static inline scree_status friction_coulomb_bake(const struct scree_values *values, struct scree_law_constants *law,
                                                  scree_trouble *trouble) {
     for (int k = 0; k < 4; k++) law->c[k] = values->v[k];
-    if (law->c[COULOMB_STATIC] >= law->c[COULOMB_KINETIC]) return SCREE_OK;
-    return scree_report(trouble, SCREE_BAD_INPUT, "static",
-                        "static friction (%g) must not be below kinetic friction (%g)", law->c[COULOMB_STATIC],
-                        law->c[COULOMB_KINETIC]);
+    return scree_check_static(law->c[COULOMB_STATIC], law->c[COULOMB_KINETIC], trouble);
 }
 
 static inline struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
                                                              struct scree_pair_constants pair,
                                                              struct scree_sliding at) {
     (void)pair;
-    double k = law->c[COULOMB_STIFFNESS], c = law->c[COULOMB_DAMPING];
-    struct vec middle = vec_axpy(at.stretch, at.half, at.velocity);
-    struct vec trial = vec_axpy(vec_scale(-k, middle), -c, at.velocity);
-    double size = vec_norm(trial), kinetic = law->c[COULOMB_KINETIC] * at.normal;
+    double kinetic = law->c[COULOMB_KINETIC] * at.normal;
     double holds = at.sliding > 0.0 ? kinetic : law->c[COULOMB_STATIC] * at.normal;
-    int slides = size > holds;
-    double scale = slides ? kinetic / (size + SCREE_NO_SPEED) : 1.0;
-    struct vec force = vec_scale(scale, trial);
-    /* Two implicit half steps of k s + c s' = -F: what the spring keeps of its stretch, and what it takes on. */
-    double lag = c / (c + at.half * k + SCREE_NO_SPEED), keeps = lag * lag;
-    struct vec slid = vec_axpy(vec_scale(keeps, at.stretch), (keeps - 1.0) / k, force);
-    struct vec stuck = vec_axpy(middle, at.half, at.velocity);
-    struct vec stretch = slides ? slid : stuck;
-    return (struct scree_tangential){force, stretch, slides ? 1.0 : 0.0};
+    return scree_slider(at, law->c[COULOMB_STIFFNESS], law->c[COULOMB_DAMPING], holds, kinetic);
 }
 
 static inline double friction_coulomb_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -67,7 +53,12 @@ static inline double friction_coulomb_stiffness(const struct scree_law_constants
     return law->c[COULOMB_STIFFNESS];
 }
 
-static inline double friction_coulomb_damping(const struct scree_law_constants *law) { return law->c[COULOMB_DAMPING]; }
+static inline double friction_coulomb_damping(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                              double overlap) {
+    (void)pair;
+    (void)overlap;
+    return law->c[COULOMB_DAMPING];
+}
 
 static const struct scree_friction_law scree_friction_coulomb = {
     .text = {.name = "coulomb",

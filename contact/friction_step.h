@@ -19,10 +19,7 @@ static const struct scree_parameter step_parameters[] = {
 static inline scree_status friction_step_bake(const struct scree_values *values, struct scree_law_constants *law,
                                               scree_trouble *trouble) {
     for (int k = 0; k < 4; k++) law->c[k] = values->v[k];
-    if (law->c[STEP_STATIC] < law->c[STEP_KINETIC])
-        return scree_report(trouble, SCREE_BAD_INPUT, "static",
-                            "static friction (%g) must not be below kinetic friction (%g)", law->c[STEP_STATIC],
-                            law->c[STEP_KINETIC]);
+    if (scree_check_static(law->c[STEP_STATIC], law->c[STEP_KINETIC], trouble)) return SCREE_BAD_INPUT;
     if (law->c[STEP_SLIDING_SPEED] > law->c[STEP_STICTION_SPEED]) return SCREE_OK;
     return scree_report(trouble, SCREE_BAD_INPUT, "sliding_speed",
                         "sliding_speed (%g m/s) must be above stiction_speed (%g m/s)", law->c[STEP_SLIDING_SPEED],
@@ -57,7 +54,7 @@ static const struct scree_friction_law scree_friction_step = {
     .stored = scree_no_store,
     .slope = friction_step_slope,
     .stiffness = scree_no_stiffness,
-    .damping = scree_zero,
+    .damping = scree_no_stiffness,
 };
 
 #endif

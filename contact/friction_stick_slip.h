@@ -17,10 +17,7 @@ static const struct scree_parameter stick_slip_parameters[] = {
 static inline scree_status friction_stick_slip_bake(const struct scree_values *values, struct scree_law_constants *law,
                                                     scree_trouble *trouble) {
     for (int k = 0; k < 3; k++) law->c[k] = values->v[k];
-    if (law->c[STICK_SLIP_STATIC] >= law->c[STICK_SLIP_KINETIC]) return SCREE_OK;
-    return scree_report(trouble, SCREE_BAD_INPUT, "static",
-                        "static friction (%g) must not be below kinetic friction (%g)", law->c[STICK_SLIP_STATIC],
-                        law->c[STICK_SLIP_KINETIC]);
+    return scree_check_static(law->c[STICK_SLIP_STATIC], law->c[STICK_SLIP_KINETIC], trouble);
 }
 
 static inline struct scree_tangential friction_stick_slip_force(const struct scree_law_constants *law,
@@ -52,7 +49,7 @@ static const struct scree_friction_law scree_friction_stick_slip = {
     .stored = scree_no_store,
     .slope = friction_stick_slip_slope,
     .stiffness = scree_no_stiffness,
-    .damping = scree_zero,
+    .damping = scree_no_stiffness,
 };
 
 #endif

@@ -24,7 +24,7 @@ static const struct scree_friction_law scree_friction_tanh = {
     .stored = scree_no_store,
     .slope = friction_ramp_slope,
     .stiffness = scree_no_stiffness,
-    .damping = scree_zero,
+    .damping = scree_no_stiffness,
 };
 
 #endif

@@ -127,7 +127,7 @@ struct scree_friction_law {
      * spring at an overlap: what limits the step. Zero where there is none. */
     double (*slope)(const struct scree_law_constants *law);
     double (*stiffness)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
-    double (*damping)(const struct scree_law_constants *law);
+    double (*damping)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 };
 
 /* Added to speeds before they divide: changes no speed above 1e-290 m/s. */
@@ -137,6 +137,13 @@ struct scree_friction_law {
 static inline struct scree_tangential scree_against(struct scree_sliding at, double mu, double speed) {
     double s = -mu * at.normal / (speed + SCREE_NO_SPEED);
     return (struct scree_tangential){vec_scale(s, at.velocity), {0.0, 0.0, 0.0}, 0.0};
+}
+
+/* Static friction must not be below kinetic friction. */
+static inline scree_status scree_check_static(double holds, double slides, scree_trouble *trouble) {
+    if (holds >= slides) return SCREE_OK;
+    return scree_report(trouble, SCREE_BAD_INPUT, "static",
+                        "static friction (%g) must not be below kinetic friction (%g)", holds, slides);
 }
 
 static inline double scree_no_store(const struct scree_law_constants *law, struct scree_pair_constants pair,

@@ -142,8 +142,9 @@ static struct pair_rates rates_of(const struct scree_scene *scene, const struct 
     struct scree_pair_constants sideways = {{0.0}};
     if (friction->pair) sideways = friction->pair(&rule->friction_constants, mass, radius);
     double spring = friction->stiffness(&rule->friction_constants, sideways, overlap);
+    double dashpot = friction->damping(&rule->friction_constants, sideways, overlap);
     rates.stiffness = fmax(rates.stiffness, spring * tangential);
-    rates.damping = fmax(rates.damping, friction->damping(&rule->friction_constants) * tangential);
+    rates.damping = fmax(rates.damping, dashpot * tangential);
     rates.friction_ramp = friction->slope(&rule->friction_constants) * weight * tangential;
     return rates;
 }

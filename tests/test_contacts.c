@@ -384,7 +384,9 @@ static void test_loop_equals_laws(void) {
         "law = \"tanh\", kinetic = 0.3, threshold = 0.01",
         "law = \"step\", static = 0.4, kinetic = 0.3, stiction_speed = 0.05, sliding_speed = 0.08",
         "law = \"stick-slip\", static = 0.4, kinetic = 0.3, threshold = 0.06",
-        "law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e4, damping = 20"};
+        "law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e4, damping = 20",
+        "law = \"mindlin\", static = 0.4, kinetic = 0.3, shear_modulus = 1e6, damping = 0.2",
+        "law = \"mindlin-incremental\", static = 0.4, kinetic = 0.3, shear_modulus = 1e6"};
     size_t normal_count = sizeof normals / sizeof normals[0], friction_count = sizeof frictions / sizeof frictions[0];
     for (int l = 0; scree_normal_laws[l]; l++) check_listed(scree_normal_laws[l]->text.name, normals, normal_count);
     for (int l = 0; scree_friction_laws[l]; l++)

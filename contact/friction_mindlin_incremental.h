@@ -1,0 +1,48 @@
+/* Mindlin's no-slip contact with its memory in the force ("inc"): only new stretch meets the stiffness of the moment.
+ *   dF = -k_t(d) dx, k_t = 8 G* sqrt(R d); F - c_t v is cut to mu_s N, then mu_k N while sliding (contact/mindlin.h)
+ * As in EDEM and Yade, without the rescaling that some add when the load falls. What is kept is the force of the spring, in N.
+ * Stretching at a high load and going back at a low one gains energy (Elata & Berryman, Mech. Mater. 24 (1996) 229): the law is
+ * passive at constant load only. */
+#ifndef SCREE_CONTACT_FRICTION_MINDLIN_INCREMENTAL_H
+#define SCREE_CONTACT_FRICTION_MINDLIN_INCREMENTAL_H
+
+#include "contact/mindlin.h"
+#include "contact/slider.h"
+
+static inline struct scree_tangential friction_mindlin_incremental_force(const struct scree_law_constants *law,
+                                                                         struct scree_pair_constants pair,
+                                                                         struct scree_sliding at) {
+    double k = mindlin_stiffness(law, pair, at.overlap);
+    double kinetic = law->c[MINDLIN_KINETIC] * at.normal;
+    double holds = at.sliding > 0.0 ? kinetic : law->c[MINDLIN_STATIC] * at.normal;
+    /* The stretch that would carry the force at this stiffness: from there on it is the same slider. */
+    at.stretch = vec_scale(1.0 / k, at.stretch);
+    struct scree_tangential f = scree_slider(at, k, mindlin_damping(law, pair, at.overlap), holds, kinetic);
+    f.stretch = vec_scale(k, f.stretch);
+    return f;
+}
+
+static inline double friction_mindlin_incremental_stored(const struct scree_law_constants *law,
+                                                         struct scree_pair_constants pair, struct scree_sliding at) {
+    return 0.5 * vec_norm2(at.stretch) / mindlin_stiffness(law, pair, at.overlap);
+}
+
+static const struct scree_friction_law scree_friction_mindlin_incremental = {
+    .text = {.name = "mindlin-incremental",
+             .formula = "dF = -k_t dx, k_t = 8 G* sqrt(R d), while |F - c_t v| <= mu_s N, else |F| = mu_k N",
+             .source = "Mindlin, J. Appl. Mech. 16 (1949) 259; memory in the force",
+             .note =
+                 "Truly sticks. Memory in the force: unlike mindlin, the force stays while the load changes and the "
+                 "contact sticks. Passive at constant load. c_t = 2 zeta sqrt(m k_t). For Hertz's contact.",
+             .parameters = mindlin_parameters},
+    .memory = 1,
+    .bake = mindlin_bake,
+    .pair = mindlin_pair,
+    .force = friction_mindlin_incremental_force,
+    .stored = friction_mindlin_incremental_stored,
+    .slope = scree_zero,
+    .stiffness = mindlin_stiffness,
+    .damping = mindlin_damping,
+};
+
+#endif
