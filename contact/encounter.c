@@ -90,7 +90,7 @@ static struct vec slipping_rate(const struct pair *p, const struct instant *now)
 
 static struct vec memory_rate(const struct pair *p, const struct instant *now) {
     double half = 1e-6 * p->time;
-    if (p->projects && now->at.sliding > 0.0) return slipping_rate(p, now);
+    if (p->projects && (now->at.sliding > 0.0 || now->friction.sliding > 0.0)) return slipping_rate(p, now);
     struct scree_sliding later = now->at, sooner = now->at;
     later.half = half;
     sooner.half = -half;
