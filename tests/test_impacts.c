@@ -121,7 +121,8 @@ static void test_hertz_mindlin(void) {
         double slip = after.ball.velocity.x + vec_cross(after.ball.spin, after.ball.arm).x;
         NEAR(after.restitution, check_number(table, row, "vn_rebound_over_vn"), 1e-9);
         NEAR(slip, check_number(table, row, "vs_rebound_over_vn"), 1e-9 * (1.0 + vs));
-        NEAR(-0.01 * (after.ball.spin.y - e.ball.spin.y), check_number(table, row, "R_omega_over_vn"), 1e-9 * (1.0 + vs));
+        NEAR(-0.01 * (after.ball.spin.y - e.ball.spin.y), check_number(table, row, "R_omega_over_vn"),
+             1e-9 * (1.0 + vs));
         check_books(&e, &after);
     }
     free(table);
@@ -223,8 +224,10 @@ static void test_box_corner(void) {
     int rows = 0;
     for (int row = 0; row < table->rows; row++) {
         if (check_number(table, row, "n_low") != 1.0) continue;
-        double rx = check_number(table, row, "rx_deg") * pi / 360.0, ry = check_number(table, row, "ry_deg") * pi / 360.0;
-        struct quat attitude = quat_multiply((struct quat){cos(rx), sin(rx), 0.0, 0.0}, (struct quat){cos(ry), 0.0, sin(ry), 0.0});
+        double rx = check_number(table, row, "rx_deg") * pi / 360.0,
+               ry = check_number(table, row, "ry_deg") * pi / 360.0;
+        struct quat attitude =
+            quat_multiply((struct quat){cos(rx), sin(rx), 0.0, 0.0}, (struct quat){cos(ry), 0.0, sin(ry), 0.0});
         struct scree_encounter e = {.normal = {0.0, 0.0, 1.0}, .radius = 1.0};
         e.ball = scree_partner_of(&box, 6.0, attitude, vec(0.0, 0.0, -1.0));
         e.host = scree_partner_of(&plane, 0.0, upright, vec(0.0, 0.0, 1.0));
@@ -267,7 +270,7 @@ static double plausible(const struct scree_parameter *parameter) {
     static const struct {
         const char *name;
         double value;
-    } by_name[] = {{"static", 0.5}, {"kinetic", 0.3}, {"restitution", 0.6}, {"speed", 1.0}, {"exponent", 1.5}},
+    } by_name[] = {{"static", 0.5}, {"kinetic", 0.3}, {"restitution", 0.6}, {"speed", 1.0}, {"exponent", 1.5}, {"sliding_speed", 2e-2}},
       by_unit[] = {{"N/m", 1e5}, {"N s/m", 5.0}, {"m/s", 1e-2}, {"m", 2e-4}, {"Pa", 1e8}, {"s/m", 0.3}, {"1", 0.2}};
     for (size_t k = 0; k < sizeof by_name / sizeof by_name[0]; k++)
         if (strcmp(parameter->name, by_name[k].name) == 0) return by_name[k].value;
@@ -276,22 +279,68 @@ static double plausible(const struct scree_parameter *parameter) {
     return 1e6; /* a stiffness of some power law */
 }
 
-/* All parameters that a law needs, or, of two that exclude each other, the first. */
-static scree_law_choice plausible_choice(const struct scree_law_text *text) {
+/* What a law needs, with or without what it doesn't; of two parameters that exclude each other, the first. */
+static scree_law_choice plausible_choice(const struct scree_law_text *text, int with_optional) {
     scree_law_choice choice = {.law = text->name};
     for (const struct scree_parameter *p = text->parameters; p->name; p++) {
-        int excluded = p->optional || p->instead_of;
-        for (int k = 0; k < choice.settings && !excluded; k++) excluded = 0;
-        if (p->instead_of) { /* the one that is named, unless it is further up already */
-            excluded = 0;
-            for (int k = 0; k < choice.settings; k++) excluded |= strcmp(choice.setting[k].name, p->instead_of) == 0;
-        } else {
-            for (const struct scree_parameter *q = text->parameters; q < p; q++)
-                excluded |= q->instead_of && strcmp(q->instead_of, p->name) == 0;
-        }
-        if (!excluded) choice.setting[choice.settings++] = (scree_setting){p->name, plausible(p)};
+        int skip = p->optional && !with_optional;
+        for (const struct scree_parameter *q = text->parameters; q < p; q++)
+            skip |= (q->instead_of && strcmp(q->instead_of, p->name) == 0) ||
+                    (p->instead_of && strcmp(p->instead_of, q->name) == 0);
+        if (!skip) choice.setting[choice.settings++] = (scree_setting){p->name, plausible(p)};
     }
     return choice;
+}
+
+static struct scree_rule plausible_rule(int normal, int friction) {
+    const struct scree_law_text *press = &scree_normal_laws[normal]->text, *rub = &scree_friction_laws[friction]->text;
+    struct scree_rule rule = {0};
+    scree_trouble trouble = {0};
+    for (int optional = 0; optional < 4; optional++) {
+        scree_contact_def def = {.normal = plausible_choice(press, optional & 1),
+                                 .friction = plausible_choice(rub, optional & 2)};
+        if (!scree_bake_rule(&def, NULL, &rule, &trouble)) return rule;
+    }
+    printf("%s with %s: %s\n", press->name, rub->name, trouble.text);
+    CHECK(!"no plausible parameters");
+    return rule;
+}
+
+/* Pair or plane, mass ratios of 1e-3 to 1e3, 0 to 89 degrees, with and without spin. */
+static struct scree_encounter any_encounter(uint64_t *seed) {
+    double angle = check_between(seed, 0.0, 89.0) * pi / 180.0, speed = check_between(seed, 0.1, 3.0);
+    double ratio = pow(10.0, check_between(seed, -1.0, 1.0)); /* of radii */
+    struct scree_encounter e = check_random(seed) < 0.4
+                                   ? sphere_on_plane(0.02, 0.03, speed * sin(angle), speed * cos(angle))
+                                   : two_spheres(0.02, 0.02 * ratio, 1000.0, speed * sin(angle), speed * cos(angle));
+    if (check_random(seed) < 0.5) return e;
+    e.ball.spin =
+        vec(check_between(seed, -50.0, 50.0), check_between(seed, -50.0, 50.0), check_between(seed, -50.0, 50.0));
+    if (e.host.inverse_mass > 0.0) e.host.spin = vec(0.0, check_between(seed, -50.0, 50.0), 0.0);
+    return e;
+}
+
+/* No impact gains energy, and what is lost is in the books. */
+static void test_energy(void) {
+    uint64_t seed = 11;
+    for (int n = 0; scree_normal_laws[n]; n++)
+        for (int f = 0; scree_friction_laws[f]; f++) {
+            struct scree_rule rule = plausible_rule(n, f);
+            double gain = -1.0;
+            long steps = 0;
+            int bad = 0;
+            for (int k = 0; k < 40; k++) {
+                struct scree_encounter e = any_encounter(&seed);
+                e.tolerance = 1e-9;
+                struct scree_outcome_of_impact after = scree_meet(&e, &rule, NULL, NULL);
+                double before = energy(&e.ball) + energy(&e.host), left = energy(&after.ball) + energy(&after.host);
+                gain = fmax(gain, left / before - 1.0);
+                steps += after.steps;
+                bad += after.ending != SCREE_PARTED;
+            }
+            printf("%-16s %-20s gain %9.2g  steps %ld bad %d\n", scree_normal_laws[n]->text.name,
+                   scree_friction_laws[f]->text.name, gain, steps / 40, bad);
+        }
 }
 
 int main(void) {
@@ -301,5 +350,6 @@ int main(void) {
     test_chung_ooi_elastic();
     test_chung_ooi_pairs();
     test_box_corner();
+    test_energy();
     return check_report();
 }
