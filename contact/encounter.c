@@ -85,7 +85,9 @@ static struct vec slipping_rate(const struct pair *p, const struct instant *now)
     double size2 = vec_norm2(stretch), cut2 = vec_norm2(now->friction.stretch);
     if (!(cut2 > 0.0) || !(size2 > 0.0)) return rate;
     double along = vec_dot(rate, stretch) / size2;
-    return vec_axpy(vec_scale(sqrt(size2 / cut2), vec_axpy(rate, -along, stretch)), along, stretch);
+    /* Where the slider carries next to nothing it turns at once: no explicit step follows that, and none has to. */
+    double faster = fmin(sqrt(size2 / cut2), 2.0);
+    return vec_axpy(vec_scale(faster, vec_axpy(rate, -along, stretch)), along, stretch);
 }
 
 static struct vec memory_rate(const struct pair *p, const struct instant *now) {

@@ -270,7 +270,8 @@ static double plausible(const struct scree_parameter *parameter) {
     static const struct {
         const char *name;
         double value;
-    } by_name[] = {{"static", 0.5}, {"kinetic", 0.3}, {"restitution", 0.6}, {"speed", 1.0}, {"exponent", 1.5}, {"sliding_speed", 2e-2}},
+    } by_name[] = {{"static", 0.5}, {"kinetic", 0.3},  {"restitution", 0.6},
+                   {"speed", 1.0},  {"exponent", 1.5}, {"sliding_speed", 2e-2}},
       by_unit[] = {{"N/m", 1e5}, {"N s/m", 5.0}, {"m/s", 1e-2}, {"m", 2e-4}, {"Pa", 1e8}, {"s/m", 0.3}, {"1", 0.2}};
     for (size_t k = 0; k < sizeof by_name / sizeof by_name[0]; k++)
         if (strcmp(parameter->name, by_name[k].name) == 0) return by_name[k].value;
@@ -320,26 +321,32 @@ static struct scree_encounter any_encounter(uint64_t *seed) {
     return e;
 }
 
-/* No impact gains energy, and what is lost is in the books. */
+/* No impact gains energy. Mindlin's springs are passive at constant load only (their headers say why): a stretch under a high
+ * load that goes back under a low one gains up to half a per cent here, and not more. */
+static void check_energy(const struct scree_rule *rule, uint64_t *seed) {
+    const char *press = scree_normal_laws[rule->normal]->text.name,
+               *rub = scree_friction_laws[rule->friction]->text.name;
+    /* Some hundred steps, each with an error of the tolerance, 1e-9 of the energy. */
+    double most = strncmp(rub, "mindlin", 7) == 0 ? 5e-3 : 3e-7;
+    for (int k = 0; k < 40; k++) {
+        struct scree_encounter e = any_encounter(seed);
+        e.tolerance = 1e-9;
+        struct scree_outcome_of_impact after = scree_meet(&e, rule, NULL, NULL);
+        double before = energy(&e.ball) + energy(&e.host), left = energy(&after.ball) + energy(&after.host);
+        if (after.ending != SCREE_PARTED || !(left <= before * (1.0 + most)))
+            printf("%s with %s, case %d: ending %d, gain %g\n", press, rub, k, (int)after.ending, left / before - 1.0);
+        CHECK(after.ending == SCREE_PARTED);
+        CHECK(left <= before * (1.0 + most));
+        NEAR((before - left - after.lost_normal - after.lost_tangential) / before, 0.0, 3e-7);
+    }
+}
+
 static void test_energy(void) {
     uint64_t seed = 11;
     for (int n = 0; scree_normal_laws[n]; n++)
         for (int f = 0; scree_friction_laws[f]; f++) {
             struct scree_rule rule = plausible_rule(n, f);
-            double gain = -1.0;
-            long steps = 0;
-            int bad = 0;
-            for (int k = 0; k < 40; k++) {
-                struct scree_encounter e = any_encounter(&seed);
-                e.tolerance = 1e-9;
-                struct scree_outcome_of_impact after = scree_meet(&e, &rule, NULL, NULL);
-                double before = energy(&e.ball) + energy(&e.host), left = energy(&after.ball) + energy(&after.host);
-                gain = fmax(gain, left / before - 1.0);
-                steps += after.steps;
-                bad += after.ending != SCREE_PARTED;
-            }
-            printf("%-16s %-20s gain %9.2g  steps %ld bad %d\n", scree_normal_laws[n]->text.name,
-                   scree_friction_laws[f]->text.name, gain, steps / 40, bad);
+            check_energy(&rule, &seed);
         }
 }
 
