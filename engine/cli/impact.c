@@ -68,6 +68,7 @@ struct setting {
 
 /* One impact, ready to be computed. */
 struct impact {
+    double quantity[QUANTITIES];
     struct scree_encounter encounter;
     struct scree_rule rule;
 };
@@ -178,10 +179,10 @@ static void put_in_place(const struct words_body body[2], const double quantity[
 static scree_status make_impact(struct setting *s, int n, int point, struct impact *impact) {
     struct words part[4] = {s->ball, s->host, s->law[n / (s->frictions ? s->frictions : 1)], {.name = NULL}};
     static const char *const prefix[4] = {"ball.", "host.", "law.", "friction."};
-    double quantity[QUANTITIES];
+    double *quantity = impact->quantity;
     scree_status status = SCREE_OK;
     if (s->frictions) part[3] = s->friction[n % s->frictions];
-    memcpy(quantity, s->quantity, sizeof quantity);
+    memcpy(quantity, s->quantity, sizeof s->quantity);
     if (point >= 0 && s->sweep.key) {
         for (int k = 0; k < 4 && !status; k++)
             if (strncmp(s->sweep.name, prefix[k], strlen(prefix[k])) == 0)
@@ -209,15 +210,40 @@ static int cases(const struct setting *s) { return s->laws * (s->frictions ? s->
 
 /* ---- results ---- */
 
+/* Unit of the swept number as part of a column's name: "" where there is none, or laws differ. */
+static void swept_unit(const struct setting *s, char unit[32]) {
+    static const char *const of_bodies[][2] = {{"mass", "kg"},   {"density", "kg_m3"}, {"young", "Pa"},
+                                               {"poisson", "1"}, {"tilt_x", "deg"},    {"tilt_y", "deg"}};
+    const char *found = "1";
+    if (strncmp(s->sweep.name, "ball.", 5) == 0 || strncmp(s->sweep.name, "host.", 5) == 0) {
+        found = "m";
+        for (size_t k = 0; k < sizeof of_bodies / sizeof of_bodies[0]; k++)
+            if (strcmp(s->sweep.key, of_bodies[k][0]) == 0) found = of_bodies[k][1];
+    } else {
+        int normal = strncmp(s->sweep.name, "law.", 4) == 0, count = normal ? s->laws : s->frictions;
+        for (int k = 0; k < count; k++) {
+            int index = normal ? scree_find_normal_law(s->law[k].name) : scree_find_friction_law(s->friction[k].name);
+            const struct scree_law_text *text =
+                normal ? &scree_normal_laws[index]->text : &scree_friction_laws[index]->text;
+            for (const struct scree_parameter *p = text->parameters; p->name; p++)
+                if (strcmp(p->name, s->sweep.key) == 0) found = k > 0 && strcmp(found, p->unit) != 0 ? "1" : p->unit;
+        }
+    }
+    snprintf(unit, 32, "%s%s", strcmp(found, "1") ? "_" : "", strcmp(found, "1") ? found : "");
+    for (char *c = unit; *c; c++)
+        if (*c == '/' || *c == ' ') *c = '_';
+}
+
+/* A swept number that isn't among the columns anyway comes third. */
 static void print_header(const struct setting *s, FILE *file) {
-    /* The head of each row: which laws, and what is swept if it isn't among the columns anyway. */
-    if (s->sweep.key)
-        fprintf(file, "law,friction,%s,", s->sweep.name);
-    else
-        fprintf(file, "law,friction,");
-    fprintf(file, "speed_m_s,angle_deg,spin_rad_s,restitution,e_tangential,slip_ratio,rebound_angle_deg,"
-                  "contact_rebound_angle_deg,spin_after_rad_s,host_spin_after_rad_s,duration_s,overlap_m,force_N,"
-                  "friction_force_N,energy_J,lost_normal_J,lost_tangential_J,ending\n");
+    char unit[32] = "";
+    fprintf(file, "law,friction,");
+    if (s->sweep.key) swept_unit(s, unit);
+    if (s->sweep.key) fprintf(file, "%s%s,", s->sweep.name, unit);
+    fprintf(file,
+            "speed_m_s,angle_deg,spin_rad_s,host_spin_rad_s,restitution,e_tangential,slip_ratio,rebound_angle_deg,"
+            "contact_rebound_angle_deg,spin_after_rad_s,host_spin_after_rad_s,duration_s,overlap_m,force_N,"
+            "friction_force_N,energy_J,lost_normal_J,lost_tangential_J,ending\n");
 }
 
 static const char *law_name(const struct scree_rule *rule) { return scree_normal_laws[rule->normal]->text.name; }
@@ -245,11 +271,11 @@ static void print_row(const struct setting *s, int point, const struct impact *i
     struct scree_outcome_of_impact after = scree_meet(e, &impact->rule, NULL, NULL);
     struct vec slip = relative(&e->ball, &e->host, 1), slip_after = relative(&after.ball, &after.host, 1);
     struct vec moves = relative(&e->ball, &e->host, 0), moves_after = relative(&after.ball, &after.host, 0);
-    double degrees = 180.0 / 3.14159265358979323846, speed = vec_norm(e->ball.velocity);
+    double degrees = 180.0 / 3.14159265358979323846;
     fprintf(file, "%s,%s,", law_name(&impact->rule), friction_name(&impact->rule));
     if (s->sweep.key) fprintf(file, "%.17g,", point >= 0 ? swept_value(&s->sweep, point) : NAN);
-    fprintf(file, "%.17g,%.17g,%.17g,%.17g,", speed, atan2(moves.x, -moves.z) * degrees, e->ball.spin.y,
-            after.restitution);
+    for (int k = 0; k < QUANTITIES; k++) fprintf(file, "%.17g,", impact->quantity[k]);
+    fprintf(file, "%.17g,", after.restitution);
     print_ratio(file, moves_after.x, moves.x);
     print_ratio(file, slip_after.x, slip.x);
     fprintf(file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%s\n",
@@ -258,14 +284,27 @@ static void print_row(const struct setting *s, int point, const struct impact *i
             after.energy, after.lost_normal, after.lost_tangential, endings[after.ending]);
 }
 
+/* Whatever is wrong is said before anything is printed. */
+static scree_status check_all(struct setting *s, int points) {
+    scree_status status = SCREE_OK;
+    for (int n = 0; n < cases(s); n++)
+        for (int point = points ? 0 : -1; point < points && !status; point++) {
+            struct impact impact;
+            status = make_impact(s, n, point, &impact);
+        }
+    return status;
+}
+
 /* All results, a block per case. */
 static scree_status print_results(struct setting *s, FILE *file) {
     int points = s->sweep.name[0] ? s->sweep.count : 0;
+    scree_status status = check_all(s, points);
+    if (status) return status;
     print_header(s, file);
     for (int n = 0; n < cases(s); n++) {
         for (int point = points ? 0 : -1; point < points; point++) {
             struct impact impact;
-            scree_status status = make_impact(s, n, point, &impact);
+            status = make_impact(s, n, point, &impact);
             if (status) return status;
             print_row(s, point, &impact, file);
         }
@@ -287,12 +326,13 @@ static void print_moment(void *context, const struct scree_moment *m) {
 
 /* Force-overlap loops at the values that aren't swept, a block per case. */
 static scree_status print_loops(struct setting *s, FILE *file) {
+    int given = !check_all(s, 0); /* else a number that only the sweep gives comes from its first value */
+    scree_status checked = given ? SCREE_OK : s->sweep.key ? check_all(s, 1) : s->trouble.status;
+    if (checked) return checked;
     fprintf(file, "law,friction,time_s,overlap_m,closing_m_s,force_N,slip_m_s,friction_N\n");
     for (int n = 0; n < cases(s); n++) {
         struct impact impact;
-        /* A number that only the sweep gives comes from its first value. */
-        scree_status status = make_impact(s, n, -1, &impact);
-        if (status && s->sweep.key) status = make_impact(s, n, 0, &impact);
+        scree_status status = make_impact(s, n, given ? -1 : 0, &impact);
         if (status) return status;
         struct loop loop = {file, &impact.rule};
         scree_meet(&impact.encounter, &impact.rule, print_moment, &loop);
@@ -332,28 +372,30 @@ static void print_titles(const struct setting *s, char *text, size_t size) {
     }
 }
 
+/* Two panels over the swept quantity: columns of impact.csv, counted without the one of a swept KEY. */
 static scree_status plot_results(const struct setting *s, struct figures *figures) {
-    char titles[4096], script[8192], x[96];
-    int column = s->sweep.key                          ? 3
-                 : strcmp(s->sweep.name, "angle") == 0 ? 4
-                 : strcmp(s->sweep.name, "spin") == 0  ? 5
-                                                       : 3;
-    int shift = s->sweep.key ? 1 : 0;
-    static const char *const units[QUANTITIES] = {" (m/s)", " (degrees)", " (rad/s)", " (rad/s)"};
+    char titles[4096], script[8192], x[128];
+    int over_angle = strcmp(s->sweep.name, "angle") == 0, shift = s->sweep.key ? 1 : 0, column = 3;
+    int upper = over_angle ? 8 : 7, lower = s->frictions ? 10 : 14;
+    static const char *const units[QUANTITIES] = {"m/s", "degrees", "rad/s", "rad/s"};
     snprintf(x, sizeof x, "%s", s->sweep.name);
-    for (int k = 0; k < QUANTITIES; k++)
-        if (strcmp(s->sweep.name, quantities[k]) == 0) snprintf(x, sizeof x, "%s%s", s->sweep.name, units[k]);
+    for (int k = 0; k < QUANTITIES; k++) {
+        if (strcmp(s->sweep.name, quantities[k]) != 0) continue;
+        snprintf(x, sizeof x, "%s (%s)", s->sweep.name, units[k]);
+        column = 3 + k;
+    }
     print_titles(s, titles, sizeof titles);
     snprintf(
         script, sizeof script,
         "unset datafile columnheaders\n%s%sset xlabel '%s' noenhanced\nset key noenhanced\nset multiplot layout 2,1\n"
-        "set ylabel 'restitution'\n"
+        "set ylabel '%s'\n"
         "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1 title titles[k]\n"
-        "unset key\nset ylabel 'angle of rebound (degrees)'\n"
+        "unset key\nset ylabel '%s'\n"
         "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1\n"
         "unset multiplot\n",
-        titles, s->sweep.by_ratio ? "set logscale x\n" : "", x, cases(s), column, 6 + shift, cases(s), column,
-        9 + shift);
+        titles, s->sweep.by_ratio ? "set logscale x\n" : "", x,
+        over_angle ? "tangential restitution of the centre" : "restitution", cases(s), column, upper + shift,
+        s->frictions ? "angle of rebound (degrees)" : "contact time (s)", cases(s), column, lower + shift);
     return figures_plot(figures, "impact", script);
 }
 
