@@ -45,6 +45,8 @@ const char *scree_range_text(enum scree_range range) {
         return ">= 1";
     case SCREE_FROM_ONE_TO_3:
         return ">= 1 and <= 3";
+    case SCREE_ZERO_OR_ONE:
+        return "0 or 1";
     }
     return "any";
 }
@@ -62,6 +64,8 @@ static int in_range(double value, enum scree_range range) {
         return value >= 1.0;
     case SCREE_FROM_ONE_TO_3:
         return value >= 1.0 && value <= 3.0;
+    case SCREE_ZERO_OR_ONE:
+        return value == 0.0 || value == 1.0;
     }
     return 0;
 }
