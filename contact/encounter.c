@@ -365,8 +365,8 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
         too_many(&p, taken, &rapid);
         record(&p, &phase, &s, time, &result, watch, context);
         h = fmin(h * (error > 0.0 ? fmin(4.0, 0.9 * scree_pow(error, -0.2)) : 4.0), 0.02 * p.time);
-        if (time > 1e4 * p.time) result.ending = SCREE_STAYED;
-        if (time > 1e4 * p.time) break;
+        if (time > 300.0 * p.time) result.ending = SCREE_STAYED;
+        if (time > 300.0 * p.time) break;
     }
     if (phase.over) result.ending = SCREE_PARTED;
     result.impulse = vec_from(&s.y[IMPULSE]);

@@ -44,7 +44,7 @@ struct scree_moment {
 
 enum scree_ending {
     SCREE_PARTED,
-    SCREE_STAYED,    /* still in touch after 1e4 times the time in which the spring would stop the bodies */
+    SCREE_STAYED,    /* still in touch after 300 times the time in which the spring would stop the bodies */
     SCREE_UNFINISHED /* the laws change faster than a million steps can follow */
 };
 

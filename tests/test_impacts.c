@@ -272,7 +272,7 @@ static double plausible(const struct scree_parameter *parameter) {
         double value;
     } by_name[] = {{"static", 0.5}, {"kinetic", 0.3},  {"restitution", 0.6},
                    {"speed", 1.0},  {"exponent", 1.5}, {"sliding_speed", 2e-2}},
-      by_unit[] = {{"N/m", 1e5}, {"N s/m", 5.0}, {"m/s", 1e-2}, {"m", 2e-4}, {"Pa", 1e8}, {"s/m", 0.3}, {"1", 0.2}};
+      by_unit[] = {{"N/m", 1e5}, {"N s/m", 5.0}, {"m/s", 1e-2}, {"m", 2e-4}, {"Pa", 1e8}, {"s/m", 0.3}, {"J/m^2", 0.05}, {"1", 0.2}};
     for (size_t k = 0; k < sizeof by_name / sizeof by_name[0]; k++)
         if (strcmp(parameter->name, by_name[k].name) == 0) return by_name[k].value;
     for (size_t k = 0; k < sizeof by_unit / sizeof by_unit[0]; k++)
