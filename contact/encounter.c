@@ -341,6 +341,10 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
     struct state s = {{0.0}};
     struct scree_outcome_of_impact result = {.ending = SCREE_UNFINISHED};
     double time = 0.0, h = 1e-3 * p.time;
+    struct state touch = {{1e-30 * p.length}}; /* a law may keep the speed of the first touch */
+    struct scree_normal_force first = look(&p, &phase, &touch).law;
+    phase.first = first.first;
+    phase.second = first.second;
     int rapid = 0;
     record(&p, &phase, &s, time, &result, watch, context);
     while (result.steps < MOST_STEPS && !phase.over) {
