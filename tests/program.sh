@@ -48,7 +48,7 @@ for law in $("$scree" laws | sed -n 's/^  \([a-z0-9-]*\) .*/\1/p'); do check "la
 # Two bodies meet. The rule of a rigid body that slides: e_t = 1 - mu (1 + e) = 0.81 at 45 degrees.
 slides='ramp kinetic=0.1 threshold=1e-6'
 check 'impact: a row' 0 'tsuji-cut,none,1,0,0,0,0.9' "$scree" impact --law 'tsuji-cut modulus=1e8 restitution=0.9'
-expect 'impact: slides' test "$("$scree" impact --law 'linear stiffness=1e5 restitution=0.9' --friction "$slides" --angle 45 |
+expect 'impact: slides' test "$("$scree" impact --law 'linear-cut stiffness=1e5 restitution=0.9' --friction "$slides" --angle 45 |
     awk -F, 'NR == 2 { print ($8 - 0.9)^2 < 1e-18 && ($9 - 0.81)^2 < 1e-18 }')" = 1
 expect 'impact: a sweep side by side' test "$("$scree" impact --law 'linear stiffness=1e5' --law 'linear-cut stiffness=1e5' \
     --sweep law.restitution=0.2:1:5 | awk -F, '/^linear/ && ($3 - $8)^2 < 1e-18' | wc -l)" = 10
