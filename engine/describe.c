@@ -1,4 +1,5 @@
 /* The plan of a scene in words: what runs, what is skipped and why, the step and what dictated it. */
+#include "contact/impact.h"
 #include "engine/c_locale.h"
 #include "engine/scene.h"
 
@@ -33,6 +34,53 @@ static void describe_creep(const struct scree_friction_law *law, const struct sc
             scree_creep_speed(law, constants, 0.5 * largest), scree_creep_speed(law, constants, 0.9 * largest));
 }
 
+/* The lightest body of a material, -1: none. `movable` 0: one that forces don't move. */
+static int lightest(const scree_scene *scene, int material, int movable, int other_than) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    int found = -1;
+    for (int k = 0; k < bodies->count; k++) {
+        double inverse = bodies->record[k].inverse_mass;
+        if (bodies->material[k] != material || (inverse > 0.0) != movable || k == other_than) continue;
+        if (found < 0 || inverse > bodies->record[found].inverse_mass) found = k;
+    }
+    return found;
+}
+
+/* The lightest pair of bodies that a rule is for; 0 if there is none. */
+static int lightest_pair(const scree_scene *scene, const struct scree_rule *rule, int pair[2]) {
+    double least = HUGE_VAL;
+    for (int movable = 0; movable < 3; movable++) { /* one that moves with one that doesn't, and two that move */
+        int i = lightest(scene, rule->material[0], movable != 0, -1);
+        int j = lightest(scene, rule->material[1], movable != 1, i);
+        if (i < 0 || j < 0) continue;
+        if (scree_contacts_rule(&scene->contacts, &scene->bodies, i, j, NULL) != rule) continue;
+        double mass = scree_effective_mass(&scene->bodies, i, j);
+        if (!(mass > 0.0 && mass < least)) continue;
+        least = mass;
+        pair[0] = i;
+        pair[1] = j;
+    }
+    return least < HUGE_VAL;
+}
+
+/* What a head-on impact of the lightest pair comes to, up to the speed that the step reckons with. */
+static void describe_impacts(const scree_scene *scene, const struct scree_rule *rule, FILE *file) {
+    int pair[2] = {0};
+    if (!lightest_pair(scene, rule, pair)) return;
+    const struct scree_normal_law *law = scree_normal_laws[rule->normal];
+    double mass = scree_effective_mass(&scene->bodies, pair[0], pair[1]) / rule->share;
+    double radius = scree_radius_of_pair(&scene->bodies, pair[0], pair[1]);
+    struct scree_pair_constants of_pair = law->pair(&rule->normal_constants, mass, radius);
+    fprintf(file, "    impacts of \"%s\" with \"%s\", head-on:\n", body_name(scene, pair[0]).text,
+            body_name(scene, pair[1]).text);
+    for (int k = 2; k >= 0; k--) {
+        double speed = scene->plan.choice.speed * (k == 2 ? 0.01 : k == 1 ? 0.1 : 1.0);
+        struct scree_impact impact = scree_impact(law, &rule->normal_constants, of_pair, mass, speed, 0.0, NULL, NULL);
+        fprintf(file, "      at %.3g m/s: restitution %.4f, contact time %.4g s, overlap %.4g m\n", speed,
+                impact.restitution, impact.duration, impact.deepest);
+    }
+}
+
 static void describe_rule(const scree_scene *scene, const struct scree_rule *rule, FILE *file) {
     fprintf(file, "  \"%s\" with \"%s\": ", material_name(scene, rule->material[0]).text,
             material_name(scene, rule->material[1]).text);
@@ -48,6 +96,7 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
     fprintf(file, "\n");
     if (friction && !friction->memory && friction->slope(&rule->friction_constants) > 0.0)
         describe_creep(friction, &rule->friction_constants, file);
+    describe_impacts(scene, rule, file);
 }
 
 static void describe_near(const scree_scene *scene, FILE *file) {

@@ -116,8 +116,7 @@ static double deepest_overlap(const struct scree_normal_law *law, const struct s
     return high;
 }
 
-/* Effective radius of two bodies, whichever of them is the ball: the rounder one of two boxes. */
-static double radius_of(const struct scree_bodies *bodies, int i, int j) {
+double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j) {
     int balls = (bodies->shape[i].kind == SCREE_SPHERE) + (bodies->shape[j].kind == SCREE_SPHERE);
     if (balls == 2) return scree_effective_radius(bodies, i, j, SCREE_BALL_BALL);
     if (balls == 1) return bodies->record[bodies->shape[i].kind == SCREE_SPHERE ? i : j].radius;
@@ -169,7 +168,7 @@ static struct pair_rates rates_of(const struct scree_scene *scene, const struct 
     double normal = softness(bodies, i, 0) + softness(bodies, j, 0);
     double mass = scree_effective_mass(bodies, i, j) / rule->share;
     if (mass == 0.0) mass = 1.0 / normal; /* bodies that only turn */
-    double radius = radius_of(bodies, i, j);
+    double radius = scree_radius_of_pair(bodies, i, j);
     struct scree_pair_constants pair = law->pair(&rule->normal_constants, mass, radius);
     double overlap = deepest_overlap(law, &rule->normal_constants, pair, mass, speed);
     struct scree_normal_force at =

@@ -34,7 +34,7 @@ check version 0 'scree 0.' "$scree" --version
 check help 0 'usage: scree COMMAND' "$scree" --help
 check 'no command' 2 'usage' "$scree"
 check 'unknown command' 2 'did you mean "check"?' "$scree" chek
-for command in run check reproduce plan laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
+for command in run check reproduce plan impact laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
 check 'unknown option' 2 'did you mean "--threads"?' "$scree" run --thread 2
 check 'missing value' 2 'needs a value' "$scree" run x.toml -o
 check 'bad number' 2 'whole number' "$scree" run x.toml --threads two
@@ -44,6 +44,40 @@ check laws 0 'linear-loading' "$scree" laws
 check 'one law' 0 'restitution e wanted' "$scree" laws linear
 check 'no such law' 2 'did you mean "hunt-crossley"?' "$scree" laws hunt-crosley
 for law in $("$scree" laws | sed -n 's/^  \([a-z0-9-]*\) .*/\1/p'); do check "laws $law" 0 'source:' "$scree" laws "$law"; done
+
+# Two bodies meet. The rule of a rigid body that slides: e_t = 1 - mu (1 + e) = 0.81 at 45 degrees.
+slides='ramp kinetic=0.1 threshold=1e-6'
+check 'impact: a row' 0 'tsuji-cut,none,1,0,0,0,0.9' "$scree" impact --law 'tsuji-cut modulus=1e8 restitution=0.9'
+expect 'impact: slides' test "$("$scree" impact --law 'linear-cut stiffness=1e5 restitution=0.9' --friction "$slides" --angle 45 |
+    awk -F, 'NR == 2 { print ($8 - 0.9)^2 < 1e-18 && ($9 - 0.81)^2 < 1e-18 }')" = 1
+expect 'impact: a sweep side by side' test "$("$scree" impact --law 'linear stiffness=1e5' --law 'linear-cut stiffness=1e5' \
+    --sweep law.restitution=0.2:1:5 | awk -F, '/^linear/ && ($3 - $8)^2 < 1e-18' | wc -l)" = 10
+expect 'impact: by ratio' test "$("$scree" impact --law 'hertz modulus=1e8' --sweep speed=0.01:10:4:log | cut -d, -f3 | tail -n 1)" = 10
+check 'impact: unit of what is swept' 0 'law.modulus_Pa,' "$scree" impact --law hertz --sweep law.modulus=1e6:1e9:4:log
+check 'impact: a loop' 0 'time_s,overlap_m,' "$scree" impact --law 'hertz modulus=1e8' --loop
+check 'impact: two spheres' 0 'hertz,none,' "$scree" impact --law hertz --ball 'sphere radius=0.01 mass=0.01 young=1e9 poisson=0.3' \
+    --host 'sphere radius=0.02 density=2000 young=1e9 poisson=0.3'
+check 'impact: a corner' 0 'linear,none,' "$scree" impact --law 'linear stiffness=1e5 damping=0' \
+    --ball 'box x=0.1 y=0.2 z=0.3 mass=6 tilt_x=20 tilt_y=30'
+check 'impact: a folder' 0 'written to' "$scree" impact --law 'hertz modulus=1e8' --friction "$slides" --sweep angle=0:80:9 -o "$work/impact"
+expect 'impact: its tables' test "$(grep -c '^hertz,ramp,' "$work/impact/impact.csv")" = 9 -a -s "$work/impact/loop.csv"
+if command -v gnuplot >/dev/null; then expect 'impact: its plot' grep -q '</svg>' "$work/impact/impact.svg"; fi
+for wrong in "did you mean \"hertz\"?|--law|herz modulus=1" "did you mean \"modulus\"?|--law|hertz modulu=1" \
+    "not both|--law|tsuji modulus=1e8 alpha=1 restitution=0.5" "neither is given|--law|tsuji modulus=1e8" \
+    "must be > 0|--law|hertz modulus=-1" "takes a number|--law|hertz modulus=x" "expected NAME=NUMBER|--law|hertz modulus" \
+    "given twice|--law|hertz modulus=1 modulus=2" "young|--law|hertz" "has no \"radios\"|--ball|sphere radios=1" \
+    "either mass|--ball|sphere radius=1" "not both|--ball|sphere radius=1 mass=1 density=1" "no shape|--ball|cube x=1" \
+    "a plane can't move|--ball|plane" "takes a number|--speed|x" "speed must be|--speed|-1" "below 90|--angle|90" \
+    "to sweep|--sweep|spede=1:2:3" "COUNT|--sweep|speed=1:2:1" "must be > 0|--sweep|speed=0:1:3:log" \
+    "no --friction|--sweep|friction.kinetic=0:1:3" "takes NAME=FROM:TO:COUNT|--sweep|speed=1:2"; do
+    message=${wrong%%|*} rest=${wrong#*|}
+    set -- "${rest%%|*}" "${rest#*|}"
+    [ "$1" = --law ] || set -- "$@" --law 'linear stiffness=1e5 damping=0'
+    check "impact: $*" 2 "$message" "$scree" impact "$@"
+    expect "impact: nothing is printed for $*" test -z "$("$scree" impact "$@" 2>/dev/null)"
+done
+check 'impact: a sharp corner' 2 'give the box a rounding' "$scree" impact --law 'hertz modulus=1e8' --ball 'box x=1 y=1 z=1 mass=1'
+check 'impact: no law' 2 'needs a normal law' "$scree" impact
 
 for scene in "$scenes"/*.toml; do check "check $scene" 0 'step:' "$scree" check "$scene"; done
 check 'check from standard input' 0 'bodies: 3' sh -c "'$scree' check - <'$scenes/incline.toml'"

@@ -708,6 +708,21 @@ static void check_unbaked(scree_scene *scene) {
     CONTAINS(plan, "no plan");
 }
 
+/* What impacts come to, against the closed forms of a spring without dashpot: e = 1, pi sqrt(m/k), v sqrt(m/k). */
+static void test_plan_of_impacts(void) {
+    const char *changes[] = {"contact.0.normal={law=\"linear\", stiffness=5e4, restitution=1.0}", "time.speed=2.0"};
+    scree_scene *scene = scene_file("bounce.toml", changes, 2);
+    char *plan = plan_of(scene), line[160];
+    double ball = sqrt(scree_scene_body_mass(scene, 0) / 5e4);
+    for (double speed = 0.02; speed < 3.0; speed *= 10.0) {
+        snprintf(line, sizeof line, "at %.3g m/s: restitution 1.0000, contact time %.4g s, overlap %.4g m", speed,
+                 acos(-1.0) * ball, speed * ball);
+        CONTAINS(plan, line);
+    }
+    free(plan);
+    scree_scene_destroy(scene);
+}
+
 /* The softest body isn't always the lightest: a long thin rod is moved more easily at its end than a lighter ball. */
 static void test_softest(void) {
     static const char text[] =
@@ -832,6 +847,7 @@ int main(void) {
     test_books_begin();
     test_golden();
     test_plan();
+    test_plan_of_impacts();
     test_stability_limit();
     test_stops();
     test_definitions();

@@ -11,6 +11,7 @@ int cli_run(int count, char **words);
 int cli_check(int count, char **words);
 int cli_reproduce(int count, char **words);
 int cli_plan(int count, char **words);
+int cli_impact(int count, char **words);
 int cli_laws(int count, char **words);
 
 /* Name that messages begin with; "scree" unless a program changes it. */

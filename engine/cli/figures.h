@@ -38,6 +38,7 @@ scree_status figure_14(struct figures *figures);
 scree_status figure_15(struct figures *figures);
 scree_status figure_16(struct figures *figures);
 scree_status figure_forces(struct figures *figures);
+scree_status figure_family(struct figures *figures);
 
 /* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,

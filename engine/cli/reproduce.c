@@ -44,6 +44,7 @@ static const struct {
     {"15", "residuals of the iterative solver, simulation by simulation", figure_15},
     {"16", "characteristic map: comb velocity over time and operating speed", figure_16},
     {"forces", "force and impact speed at the front tines, conventional beside new", figure_forces},
+    {"restitution_family", "restitution delivered over restitution asked, factors as published", figure_family},
 };
 
 enum { FIGURES = sizeof list / sizeof list[0] };
