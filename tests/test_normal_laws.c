@@ -532,6 +532,43 @@ static void test_validity(void) {
     CHECK(!scree_validity_of(scree_normal_laws[scree_find_normal_law("blend")], 0.01).asked);
 }
 
+/* ---- what is refused ---- */
+
+static void refuse(scree_law_choice choice, const char *part) {
+    scree_contact_def def = {.normal = choice};
+    struct scree_rule rule;
+    scree_trouble trouble = {0};
+    CHECK(scree_bake_rule(&def, NULL, &rule, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, part);
+}
+
+static const char sharp_text[] =
+    "[time]\nend = 1.0\n[[material]]\nname = \"m\"\ndensity = 1000\nyoung = 1e7\npoisson = 0.3\n"
+    "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"hertz\" }\n"
+    "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+    "[[body]]\nname = \"brick\"\nmaterial = \"m\"\nshape = { box = [0.01, 0.01, 0.01] }\nposition = [0, 0, 0.02]\n";
+
+static void test_refusals(void) {
+    refuse((scree_law_choice){"walton-braun", 2, {{"stiffness", 2.0}, {"unloading", 1.0}}}, "gain energy");
+    refuse((scree_law_choice){"walton-braun-variable", 2, {{"stiffness", 2.0}, {"restitution", 0.5}}}, "impact speed");
+    refuse((scree_law_choice){"kuwabara-kono", 2, {{"stiffness", 2.0}, {"restitution", 0.5}}}, "impact speed");
+    refuse((scree_law_choice){"flores", 3, {{"stiffness", 2.0}, {"restitution", 0.5}, {"calibrated", 0.5}}}, "0 or 1");
+    refuse((scree_law_choice){"hertz", 0, {{0}}}, "`young` and `poisson`");
+    refuse((scree_law_choice){"hertz", 2, {{"stiffness", 1.0}, {"modulus", 1.0}}}, "not both");
+    refuse((scree_law_choice){"jkr", 1, {{"adhesion", 1.0}}}, "needs modulus");
+    /* Sharp corners have no Hertzian stiffness; rounded ones, and a stiffness, do. */
+    scree_scene *scene;
+    struct scree_run_request request;
+    scree_trouble trouble;
+    CHECK(scree_read_scene(sharp_text, strlen(sharp_text), "sharp.toml", NULL, 0, 0, &scene, &request, &trouble) ==
+          SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, "are sharp");
+    scree_free_request(&request);
+    static const char *const cures[] = {"body.brick.shape={box=[0.01, 0.01, 0.01], rounding=0.001}",
+                                        "contact.0.normal={law=\"hertz\", stiffness=1e6}"};
+    for (int k = 0; k < 2; k++) scree_scene_destroy(scene_from(sharp_text, &cures[k], 1, 0));
+}
+
 /* ---- adhesion ---- */
 
 static void test_jkr_force(void) {
@@ -708,6 +745,7 @@ int main(void) {
     test_energy();
     test_ask();
     test_validity();
+    test_refusals();
     test_jkr_force();
     test_reach();
     test_pull_off();
