@@ -295,6 +295,11 @@ static scree_law_choice plausible_choice(const struct scree_law_text *text, int 
     return choice;
 }
 
+/* Forces for the law "table": a spring of 1e5 N/m, and up to 20 N more or less where bodies approach or part at 1 m/s. */
+static const double overlaps[] = {0.0, 1e-3}, speeds[] = {-1.0, 0.0, 1.0},
+                    forces[] = {0.0, 0.0, 0.0, 80.0, 100.0, 120.0};
+static const scree_force_table measured = {2, 3, overlaps, speeds, forces};
+
 static struct scree_rule plausible_rule(int normal, int friction) {
     const struct scree_law_text *press = &scree_normal_laws[normal]->text, *rub = &scree_friction_laws[friction]->text;
     struct scree_rule rule = {0};
@@ -302,6 +307,7 @@ static struct scree_rule plausible_rule(int normal, int friction) {
     for (int optional = 0; optional < 4; optional++) {
         scree_contact_def def = {.normal = plausible_choice(press, optional & 1),
                                  .friction = plausible_choice(rub, optional & 2)};
+        if (strcmp(press->name, "table") == 0) def.table = &measured;
         if (!scree_bake_rule(&def, NULL, &rule, &trouble)) return rule;
     }
     printf("%s with %s: %s\n", press->name, rub->name, trouble.text);
