@@ -697,6 +697,162 @@ static void test_oblique_mindlin(void) {
     free(table);
 }
 
+/* ---- memory ---- */
+
+/* Balls thrown across a floor, onto each other. */
+static scree_scene *balls(const char *friction) {
+    char text[8192];
+    uint64_t seed = 31;
+    int used = snprintf(
+        text, sizeof text,
+        "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-5\nforce = true\n[output]\nwrite = [\"energy.csv\"]\n"
+        "[[material]]\nname = \"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear-cut\", stiffness = 2e4, restitution = 0.5 }\nfriction = { %s }\n"
+        "rolling = { law = \"spring-dashpot\", rolling = 0.05, twisting = 0.02, stiffness = 1e3, damping = 0.5 }\n"
+        "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n",
+        friction);
+    for (int k = 0; k < 18; k++)
+        used += snprintf(text + used, sizeof text - (size_t)used,
+                         "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\n"
+                         "position = [%.17g, %.17g, %.17g]\nvelocity = [%.17g, %.17g, -0.5]\n",
+                         k, 0.021 * (k % 3), 0.021 * (k / 3 % 3), 0.011 + 0.021 * (k / 9),
+                         check_between(&seed, -0.3, 0.3), check_between(&seed, -0.3, 0.3));
+    return scene_from(text, NULL, 0, 0);
+}
+
+/* What laws remember is carried over when lists are made anew, and saved and restored: the same bits. The books balance. */
+static void test_memory(void) {
+    static const double skins[] = {0.001, 0.004, 0.02};
+    for (int l = 0; scree_friction_laws[l]; l++) {
+        if (!scree_friction_laws[l]->memory) continue;
+        char friction[240];
+        snprintf(friction, sizeof friction, "law = \"%s\", %s", scree_friction_laws[l]->text.name,
+                 scree_friction_laws[l]->text.example);
+        uint64_t hash[3];
+        for (int n = 0; n < 3; n++) {
+            scree_scene *scene = balls(friction);
+            scene->contacts.skin = skins[n];
+            CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, NULL) == SCREE_OK);
+            go(scene, 8000);
+            hash[n] = scree_scene_hash(scene);
+            int moved = 0;
+            for (int b = 0; b < scene->contacts.batches; b++)
+                for (int k = 0; k < scene->contacts.batch[b].count; k++)
+                    moved += scene->contacts.batch[b].kept[k / SCREE_LANES][SCREE_KEPT_ROLLING][k % SCREE_LANES] != 0.0;
+            CHECK(moved > 5 && (n > 0 || scene->contacts.rebuilds > 3));
+            scree_scene_destroy(scene);
+        }
+        CHECK(hash[0] == hash[1] && hash[1] == hash[2]);
+
+        scree_scene *scene = balls(friction), *other = balls(friction);
+        FILE *file = tmpfile();
+        go(scene, 5000);
+        CHECK(scree_scene_save(scene, file, "file") == SCREE_OK);
+        rewind(file);
+        CHECK(scree_scene_restore(other, file, "file") == SCREE_OK);
+        fclose(file);
+        go(other, 3000);
+        go(scene, 3000);
+        CHECK(scree_scene_hash(other) == scree_scene_hash(scene));
+        scree_scene_destroy(scene);
+        scree_scene_destroy(other);
+    }
+}
+
+/* Two balls that meet spinning, without gravity: a rolling law keeps momentum and angular momentum, and the books balance. */
+static void test_rolling_momentum(void) {
+    for (int l = 0; scree_rolling_laws[l]; l++) {
+        char text[1600];
+        snprintf(
+            text, sizeof text,
+            "[time]\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
+            "[[material]]\nname = \"m\"\ndensity = 2000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+            "normal = { law = \"linear\", stiffness = 1e4, damping = 0 }\nrolling = { law = \"%s\", %s }\n"
+            "[[body]]\nname = \"a\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\nvelocity = [1.0, 0.3, 0.1]\n"
+            "spin = [50, -20, 30]\n"
+            "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = { sphere = 0.013 }\nposition = [0.0235, 0.002, 0.001]\n"
+            "spin = [10, 20, -10]\n",
+            scree_rolling_laws[l]->text.name, scree_rolling_laws[l]->text.example);
+        scree_scene *scene = scene_from(text, NULL, 0, 0);
+        struct vec before = vec(0.0, 0.0, 0.0), after = before;
+        for (int n = 0; n < 2; n++) {
+            struct vec *sum = n ? &after : &before;
+            for (int k = 0; k < 2; k++) {
+                const struct scree_state *state = &scene->bodies.state[k];
+                struct vec p = vec_scale(scene->bodies.inertia[k].mass, vec_from(state->v));
+                *sum = vec_add(*sum, vec_add(vec_from(state->l), vec_cross(vec_from(state->x), p)));
+            }
+            if (n == 0) go(scene, 10000);
+        }
+        scree_energy energy;
+        CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
+        CHECK(energy.lost_tangential > 1e-6 && energy.stored == 0.0);
+        /* Rounding of positions, up to 2e-18 m a step and the same way for long, times the momentum. */
+        NEAR(vec_norm(vec_sub(after, before)), 0.0, 10000 * 2e-18 * 0.01);
+        NEAR(energy.balance, 0.0, 1e-4 * energy.lost_tangential);
+        scree_scene_destroy(scene);
+    }
+}
+
+/* ---- what is refused ---- */
+
+static void refuse_scene(const char *contact, const char *shape, const char *part) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "[time]\nend = 1.0\n[[material]]\nname = \"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+             "normal = { law = \"linear\", stiffness = 1e4, damping = 0 }\n%s\n"
+             "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
+             "[[body]]\nname = \"thing\"\nshape = { %s }\nmaterial = \"m\"\nposition = [0, 0, 1]\n",
+             contact, shape);
+    scree_scene *scene = NULL;
+    struct scree_run_request request;
+    scree_trouble trouble = {0};
+    CHECK(scree_read_scene(text, strlen(text), "test.toml", NULL, 0, 0, &scene, &request, &trouble) == SCREE_BAD_INPUT);
+    CONTAINS(trouble.text, part);
+}
+
+static void test_refusals(void) {
+    static const char ball[] = "sphere = 0.01";
+    refuse_scene("rolling = { law = \"viscous\", rolling = 0.1 }", "box = [0.1, 0.1, 0.1]", "only spheres roll");
+    refuse_scene("rolling = { law = \"viscos\", rolling = 0.1 }", ball, "did you mean \"viscous\"");
+    refuse_scene("rolling = { law = \"viscous\" }", ball, "needs rolling");
+    refuse_scene("roling = { law = \"viscous\" }", ball, "did you mean \"rolling\"");
+    refuse_scene("friction = { law = \"mindlin\", static = 0.3, kinetic = 0.3 }", ball, "needs shear_modulus");
+    refuse_scene("friction = { law = \"ambrosio\", kinetic = 0.3, tolerance = 1e-3, threshold = 1e-3 }", ball,
+                 "must be above tolerance");
+    static const char *const laws[] = {"law = \"bengisu-akay\", threshold = 1e-3, fall = 100",
+                                       "law = \"stribeck\", stribeck_speed = 0.01, threshold = 1e-3",
+                                       "law = \"simscape\", threshold = 1e-3",
+                                       "law = \"karnopp\", band = 1e-3, stiffness = 1e4",
+                                       "law = \"lugre\", stribeck_speed = 0.01, stiffness = 1e4",
+                                       "law = \"elastoplastic\", stribeck_speed = 0.01, stiffness = 1e4",
+                                       "law = \"mindlin\", shear_modulus = 1e9",
+                                       "law = \"mindlin-incremental\", shear_modulus = 1e9"};
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+        char contact[200];
+        snprintf(contact, sizeof contact, "friction = { %s, static = 0.2, kinetic = 0.3 }", laws[l]);
+        refuse_scene(contact, ball, "below kinetic");
+    }
+    refuse_scene(
+        "friction = { law = \"elastoplastic\", static = 0.4, kinetic = 0.3, stribeck_speed = 0.01, stiffness = "
+        "1e4, elastic = 1 }",
+        ball, "must be below 1");
+}
+
+/* G* from the materials: 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2 with G = E/(2 (1 + nu)). */
+static void test_shear_from_materials(void) {
+    const double young[2] = {70e9, 3e9}, poisson[2] = {0.3, 0.4};
+    struct scree_elastic elastic = scree_elastic_of(young, poisson);
+    scree_contact_def def = {.normal = {"linear", 2, {{"stiffness", 1e5}, {"damping", 0.0}}},
+                             .friction = {"mindlin", 2, {{"static", 0.3}, {"kinetic", 0.3}}}};
+    struct scree_rule rule;
+    CHECK(scree_bake_rule(&def, &elastic, &rule, NULL) == SCREE_OK);
+    const struct scree_friction_law *law = scree_friction_laws[rule.friction];
+    struct scree_pair_constants pair = law->pair(&rule.friction_constants, 1.0, 0.02);
+    double soft = 1.7 * 2.6 / 70e9 + 1.6 * 2.8 / 3e9;
+    CLOSE(law->stiffness(&rule.friction_constants, pair, 1e-6), 8.0 / soft * sqrt(0.02 * 1e-6), 1e-14);
+}
+
 int main(void) {
     test_values();
     test_viscous();
@@ -715,5 +871,9 @@ int main(void) {
     test_belt();
     test_walton();
     test_oblique_mindlin();
+    test_memory();
+    test_rolling_momentum();
+    test_refusals();
+    test_shear_from_materials();
     return check_report();
 }
