@@ -17,8 +17,8 @@
 enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12 };
 
 /* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the normal
- * law, and the stretches of rolling and twisting. All zero when a contact begins. */
-enum { SCREE_KEPT_FRICTION = 0, SCREE_KEPT_NORMAL = 4, SCREE_KEPT_ROLLING = 6, SCREE_MEMORY = 10 };
+ * law, and stretch and state of rolling and of twisting. All zero when a contact begins. */
+enum { SCREE_KEPT_FRICTION = 0, SCREE_KEPT_NORMAL = 4, SCREE_KEPT_ROLLING = 6, SCREE_MEMORY = 12 };
 
 /* Which numbers a parameter may take. */
 enum scree_range {
@@ -142,7 +142,7 @@ struct scree_friction_law {
  * the coefficient of the one or the other. */
 struct scree_rolling_law {
     struct scree_law_text text;
-    int memory; /* keeps the stretches of rolling and twisting, m; of `scree_tangential.sliding` nothing is kept */
+    int memory; /* keeps stretch and state, of rolling and of twisting */
     /* The first two constants are the coefficients of rolling and of twisting. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     struct scree_tangential (*resist)(const struct scree_law_constants *law, double coefficient,

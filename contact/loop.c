@@ -236,7 +236,9 @@ typedef void rolling_pass(const struct block *b, struct turning *t, int count, c
             twisting.velocity = vec(t->twisting[k], 0.0, 0.0);                                                         \
             if (scree_rolling_##word.memory) {                                                                         \
                 rolling.stretch = into_tangent_plane(get(own, k), n);                                                  \
-                twisting.stretch = vec(own[3][k], 0.0, 0.0);                                                           \
+                rolling.sliding = own[3][k];                                                                           \
+                twisting.stretch = vec(own[4][k], 0.0, 0.0);                                                           \
+                twisting.sliding = own[5][k];                                                                          \
             }                                                                                                          \
             struct scree_tangential r =                                                                                \
                 rolling_##word##_resist(&constants, constants.c[SCREE_ROLLING_COEFFICIENT], rolling);                  \
@@ -246,7 +248,9 @@ typedef void rolling_pass(const struct block *b, struct turning *t, int count, c
             t->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * t->twisting[k]);                          \
             if (scree_rolling_##word.memory) {                                                                         \
                 put(own, k, vec_scale(b->touching[k], r.stretch));                                                     \
-                own[3][k] = b->touching[k] * s.stretch.x;                                                              \
+                own[3][k] = b->touching[k] * r.sliding;                                                                \
+                own[4][k] = b->touching[k] * s.stretch.x;                                                              \
+                own[5][k] = b->touching[k] * s.sliding;                                                                \
             }                                                                                                          \
         }                                                                                                              \
     }
@@ -426,7 +430,7 @@ static void measure_friction(const struct scree_rule *rule, struct scree_pair_co
 
 /* Torque of the rolling law at this instant, and what its springs hold. */
 static void measure_turning(const struct scree_rule *rule, const struct scree_bodies *bodies, double lever,
-                            const double kept[4], struct scree_touch *touch) {
+                            const double kept[6], struct scree_touch *touch) {
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
     struct vec n = touch->normal;
@@ -437,9 +441,11 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
                                .overlap = touch->overlap,
                                .velocity = vec_axpy(velocity, -along, n)};
     at.stretch = into_tangent_plane(vec_from(kept), n);
+    at.sliding = kept[3];
     struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], at);
     at.velocity = vec(along, 0.0, 0.0);
-    at.stretch = vec(kept[3], 0.0, 0.0);
+    at.stretch = vec(kept[4], 0.0, 0.0);
+    at.sliding = kept[5];
     struct scree_tangential s = law->resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], at);
     touch->torque = vec_scale(lever, vec_axpy(r.force, s.force.x, n));
     touch->stored_in_friction += 0.5 * law->stiffness(constants) * (vec_norm2(r.stretch) + s.stretch.x * s.stretch.x);
@@ -483,8 +489,8 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->slip = get(b.slip, 0);
     if (rule->friction >= 0) measure_friction(rule, tangential_pair, kept, lane, touch);
     if (rule->rolling < 0) return 1;
-    double turned[4] = {0.0};
-    for (int m = 0; scree_rolling_laws[rule->rolling]->memory && m < 4; m++)
+    double turned[6] = {0.0};
+    for (int m = 0; scree_rolling_laws[rule->rolling]->memory && m < 6; m++)
         turned[m] = kept[SCREE_KEPT_ROLLING + m][lane];
     measure_turning(rule, bodies, columns[SCREE_PAIR_LEVER][lane], turned, touch);
     return 1;
