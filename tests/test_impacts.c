@@ -305,7 +305,7 @@ static struct scree_rule plausible_rule(int normal, int friction) {
         if (!scree_bake_rule(&def, NULL, &rule, &trouble)) return rule;
     }
     printf("%s with %s: %s\n", press->name, rub->name, trouble.text);
-    CHECK(!"no plausible parameters");
+    check_failures++; /* these have no plausible parameters */
     return rule;
 }
 
