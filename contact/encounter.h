@@ -9,7 +9,8 @@
  * stuck, the law cuts it, and each step ends by keeping what the law has left.
  * Dormand & Prince's pair of orders 5 and 4 (J. Comput. Appl. Math. 6 (1980) 19) chooses its steps by its error, which also
  * carries it through the roots d^(1/4), d^(1/2) at first touch; steps end where the bodies turn round, stick, slip or part, so
- * that nothing within a step has a kink. */
+ * that nothing within a step has a kink. An extrapolation of the loop's stepping rule would have needed no rates, but that rule takes
+ * a step to notice a slider's turns, which leaves no power series in the step to extrapolate. */
 #ifndef SCREE_CONTACT_ENCOUNTER_H
 #define SCREE_CONTACT_ENCOUNTER_H
 
@@ -73,7 +74,8 @@ struct scree_partner scree_partner_of(const scree_shape *shape, double mass, str
 struct vec scree_approach(const struct scree_encounter *encounter);
 
 /* Let them meet; they must approach (closing speed > 0) and one of them must be movable. `watch` may be NULL; it is called
- * after each step. Relative error of velocities about 1e-10 at the default tolerance. */
+ * after each step. Relative error of velocities about 1e-10 at the default tolerance (1e-6 for friction
+ * with bristles, which are left at rest below a ten-thousandth of the load). */
 struct scree_outcome_of_impact scree_meet(const struct scree_encounter *encounter, const struct scree_rule *rule,
                                           scree_encounter_watch *watch, void *context);
 

@@ -271,8 +271,8 @@ static double plausible(const struct scree_parameter *parameter) {
     static const struct {
         const char *name;
         double value;
-    } by_name[] = {{"static", 0.5}, {"kinetic", 0.3},  {"restitution", 0.6},
-                   {"speed", 1.0},  {"exponent", 1.5}, {"sliding_speed", 2e-2}},
+    } by_name[] = {{"static", 0.5},   {"kinetic", 0.3},        {"restitution", 0.6}, {"speed", 1.0},
+                   {"exponent", 1.5}, {"sliding_speed", 2e-2}, {"tolerance", 1e-3}},
       by_unit[] = {{"N/m", 1e5}, {"N s/m", 5.0}, {"m/s", 1e-2},   {"m", 2e-4},
                    {"Pa", 1e8},  {"s/m", 0.3},   {"J/m^2", 0.05}, {"1", 0.2}};
     for (size_t k = 0; k < sizeof by_name / sizeof by_name[0]; k++)
@@ -311,7 +311,7 @@ static struct scree_rule plausible_rule(int normal, int friction) {
         if (!scree_bake_rule(&def, NULL, &rule, &trouble)) return rule;
     }
     printf("%s with %s: %s\n", press->name, rub->name, trouble.text);
-    CHECK(!"no plausible parameters");
+    check_failures++; /* these have no plausible parameters */
     return rule;
 }
 
@@ -364,18 +364,21 @@ static void test_head_on(void) {
 static void check_energy(const struct scree_rule *rule, uint64_t *seed) {
     const char *press = scree_normal_laws[rule->normal]->text.name,
                *rub = scree_friction_laws[rule->friction]->text.name;
-    /* Some hundred steps, each with an error of the tolerance, 1e-9 of the energy. */
-    double most = strncmp(rub, "mindlin", 7) == 0 ? 5e-3 : 3e-7;
-    for (int k = 0; k < 15; k++) {
+    int mindlin = strncmp(rub, "mindlin", 7) == 0;
+    long steps = 0; /* stiff friction takes many */
+    for (int k = 0; k < 6 && steps < 3000; k++) {
         struct scree_encounter e = any_encounter(seed);
-        e.tolerance = 1e-9;
+        e.tolerance = 1e-8;
         struct scree_outcome_of_impact after = scree_meet(&e, rule, NULL, NULL);
         double before = energy(&e.ball) + energy(&e.host), left = energy(&after.ball) + energy(&after.host);
+        steps += after.steps;
+        /* Each step errs by the tolerance at most. */
+        double error = (double)after.steps * e.tolerance, most = mindlin ? 5e-3 : error;
         if (after.ending != SCREE_PARTED || !(left <= before * (1.0 + most)))
             printf("%s with %s, case %d: ending %d, gain %g\n", press, rub, k, (int)after.ending, left / before - 1.0);
         CHECK(after.ending == SCREE_PARTED);
         CHECK(left <= before * (1.0 + most));
-        NEAR((before - left - after.lost_normal - after.lost_tangential) / before, 0.0, 3e-7);
+        NEAR((before - left - after.lost_normal - after.lost_tangential) / before, 0.0, error);
     }
 }
 
