@@ -323,8 +323,9 @@ static struct scree_encounter any_encounter(uint64_t *seed) {
                                    ? sphere_on_plane(0.02, 0.03, speed * sin(angle), speed * cos(angle))
                                    : two_spheres(0.02, 0.02 * ratio, 1000.0, speed * sin(angle), speed * cos(angle));
     if (check_random(seed) < 0.5) return e;
-    e.ball.spin =
-        vec(check_between(seed, -50.0, 50.0), check_between(seed, -50.0, 50.0), check_between(seed, -50.0, 50.0));
+    e.ball.spin.x = check_between(seed, -50.0, 50.0);
+    e.ball.spin.y = check_between(seed, -50.0, 50.0);
+    e.ball.spin.z = check_between(seed, -50.0, 50.0);
     if (e.host.inverse_mass > 0.0) e.host.spin = vec(0.0, check_between(seed, -50.0, 50.0), 0.0);
     return e;
 }
