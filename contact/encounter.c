@@ -195,7 +195,7 @@ static int slides_on(const struct pair *p, const struct phase *phase, const stru
     for (int i = 0; i < STRETCH; i++) soon.y[i] += half * rate.y[i];
     struct scree_sliding at = look(p, phase, &soon).at;
     at.stretch = now->friction.stretch;
-    at.half = half;
+    at.half = 0.5 * half; /* a slider that slides looks a whole step ahead (slider.h) */
     return rub(p, at).sliding > 0.0;
 }
 
