@@ -367,7 +367,7 @@ static void check_energy(const struct scree_rule *rule, uint64_t *seed) {
                *rub = scree_friction_laws[rule->friction]->text.name;
     int mindlin = strncmp(rub, "mindlin", 7) == 0;
     long steps = 0; /* stiff friction takes many */
-    for (int k = 0; k < 6 && steps < 3000; k++) {
+    for (int k = 0; k < 6 && steps < 1000; k++) {
         struct scree_encounter e = any_encounter(seed);
         e.tolerance = 1e-8;
         struct scree_outcome_of_impact after = scree_meet(&e, rule, NULL, NULL);
