@@ -43,28 +43,33 @@ static scree_scene *make_scene(const char *normal, const char *kind, const char 
     return scene;
 }
 
-static double time_law(const char *normal, const char *kind, const char *law, int repeats) {
-    scree_scene *scene = make_scene(normal, kind, law);
-    double *times = malloc((size_t)repeats * sizeof *times), step = scree_scene_step_length(scene);
-    if (!times) exit(EXIT_MISSED);
-    for (int r = -1; r < repeats; r++) { /* once to warm up */
-        double begin = bench_now();
-        for (int k = 0; k < ROUNDS; k++) scree_contacts_act(&scene->contacts, &scene->bodies, step, 1);
-        if (r >= 0) times[r] = (bench_now() - begin) / (ROUNDS * PAIRS) * 1e9;
-    }
-    double median = bench_median(times, repeats);
-    free(times);
-    scree_scene_destroy(scene);
-    return median;
+/* Nanoseconds per contact of one round. */
+static double round_of(scree_scene *scene) {
+    double begin = bench_now(), step = scree_scene_step_length(scene);
+    for (int k = 0; k < ROUNDS; k++) scree_contacts_act(&scene->contacts, &scene->bodies, step, 1);
+    return (bench_now() - begin) / (ROUNDS * PAIRS) * 1e9;
 }
 
+/* The law and the plainest one take turns. */
 static void row(const char *kind, const struct scree_law_text *text, int repeats) {
     char law[512];
     snprintf(law, sizeof law, "law = \"%s\", %s", text->name, text->example ? text->example : "");
     int normal = strcmp(kind, "normal") == 0;
-    double base = time_law(linear, NULL, NULL, repeats);
-    double time = normal ? time_law(law, NULL, NULL, repeats) : time_law(linear, kind, law, repeats);
-    printf("%s,%s,%.2f,%.2f\n", kind, text->name, time, time - base);
+    scree_scene *plain = make_scene(linear, NULL, NULL);
+    scree_scene *scene = normal ? make_scene(law, NULL, NULL) : make_scene(linear, kind, law);
+    double *times = malloc((size_t)repeats * sizeof *times), *more = malloc((size_t)repeats * sizeof *more);
+    if (!times || !more) exit(EXIT_MISSED);
+    for (int r = -1; r < repeats; r++) { /* once to warm up */
+        double base = round_of(plain), time = round_of(scene);
+        if (r < 0) continue;
+        times[r] = time;
+        more[r] = time - base;
+    }
+    printf("%s,%s,%.2f,%.2f\n", kind, text->name, bench_median(times, repeats), bench_median(more, repeats));
+    free(times);
+    free(more);
+    scree_scene_destroy(plain);
+    scree_scene_destroy(scene);
 }
 
 int bench_laws(int count, char **words) {

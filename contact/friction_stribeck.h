@@ -55,8 +55,9 @@ static const struct scree_friction_law scree_friction_stribeck = {
     .text = {.name = "stribeck",
              .formula = "mu = (mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)) min(v/v_th, 1) + f v",
              .source = "Stribeck, Z. VDI 46 (1902) 1341; Bo & Pavelescu, Wear 82 (1982) 277",
-             .note = "Creeps at rest: at about r v_th under a share r < 1 of mu_s. f v is a coefficient: the viscous "
-                     "force grows with the load.",
+             .note =
+                 "Creeps at rest: at about r v_th under a share r < 1 of mu_s. f v is a coefficient: the viscous "
+                 "force grows with the load. Its loop stays scalar: the power of the speed branches on its exponent.",
              .example = "static = 0.4, kinetic = 0.3, stribeck_speed = 2e-3, threshold = 3e-4, viscous = 2.0",
              .parameters = stribeck_parameters},
     .bake = friction_stribeck_bake,

@@ -75,6 +75,7 @@ static inline void gather_one(const struct scree_bodies *bodies, const struct sc
     put(b->apart, lane, apart);
     put(b->slip, lane, vec_axpy(velocity, closing, m.normal));
     b->overlap[lane] = m.overlap;
+    b->touching[lane] = m.overlap > 0.0 ? 1.0 : 0.0;
     b->limit[lane] = ball->limit < host->limit ? ball->limit : host->limit;
     b->closing[lane] = closing;
     /* A ball's rotation makes it 3.5 times as soft as its mass, four corners that share a load four times. */
@@ -122,7 +123,8 @@ static inline double snap_energy(double (*stored)(const struct scree_law_constan
 
 /* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step in
  * which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The spring
- * is left as it is: there the mid-step rule is of second order already, and reversible. */
+ * is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked up, not
+ * compared again: a second comparison would make a branch of the law, and no vector. */
 #define NORMAL_PASS(word)                                                                                              \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
                                    double(*pair)[SCREE_LANES], double(*kept)[SCREE_LANES], double step) {              \
@@ -141,18 +143,17 @@ static inline double snap_energy(double (*stored)(const struct scree_law_constan
                 own[0][k] = f.first;                                                                                   \
                 own[1][k] = f.second;                                                                                  \
             }                                                                                                          \
-            int touching = scree_normal_##word.reach ? f.second > 0.0 : at.overlap > 0.0;                              \
-            double share = share_in_touch(at.overlap, at.closing, step);                                               \
-            share = scree_normal_##word.reach ? (touching ? 1.0 : 0.0) : share;                                        \
-            double force = (touching ? f.elastic : 0.0) + share * f.damping * at.closing;                              \
+            double touching = b->touching[k], share = share_in_touch(at.overlap, at.closing, step);                    \
+            if (scree_normal_##word.reach) {                                                                           \
+                touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                         \
+                b->snap[k] =                                                                                           \
+                    touching > at.second ? snap_energy(scree_normal_##word.stored, &constants, of_pair) : 0.0;         \
+                b->touching[k] = touching;                                                                             \
+            }                                                                                                          \
+            double force = touching * f.elastic + share * f.damping * at.closing;                                      \
             force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                              \
             b->force[k] = force;                                                                                       \
-            b->reversible[k] = touching ? f.reversible : 0.0;                                                          \
-            b->touching[k] = touching ? 1.0 : 0.0;                                                                     \
-            if (scree_normal_##word.reach)                                                                             \
-                b->snap[k] = touching && !(at.second > 0.0)                                                            \
-                                 ? snap_energy(scree_normal_##word.stored, &constants, of_pair)                        \
-                                 : 0.0;                                                                                \
+            b->reversible[k] = touching * f.reversible;                                                                \
         }                                                                                                              \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)

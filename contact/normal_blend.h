@@ -41,7 +41,8 @@ static inline struct scree_normal_force normal_blend_force(const struct scree_la
     double touching = at.overlap > 0.0 ? at.overlap : 0.0;
     double spring = law->c[BLEND_STIFFNESS] * scree_power(touching, law->c[BLEND_EXPONENT]);
     double dashpot = law->c[BLEND_DAMPING] * scree_step(at.overlap / law->c[BLEND_FULL]);
-    return (struct scree_normal_force){spring, at.closing > 0.0 ? dashpot : 0.0, spring, 0.0, 0.0};
+    double approaching = at.closing > 0.0 ? 1.0 : 0.0;
+    return (struct scree_normal_force){spring, approaching * dashpot, spring, 0.0, 0.0};
 }
 
 static inline double normal_blend_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -58,7 +59,7 @@ static const struct scree_normal_law scree_normal_blend = {
              .note = "Continuous at first touch; damped while approaching only; never pulls. Restitution "
                      "falls with impact "
                      "speed while the overlap stays below d_full; it has no closed form, so the damping must "
-                     "be given.",
+                     "be given. Its loop stays scalar: the power of the overlap branches on its exponent.",
              .example = "stiffness = 1e5, damping = 65.4, full = 2e-4",
              .parameters = blend_parameters},
     .cut = 0,

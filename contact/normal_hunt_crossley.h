@@ -119,7 +119,8 @@ static const struct scree_normal_law scree_normal_hunt_crossley = {
              .source = "Hunt & Crossley, J. Appl. Mech. 42 (1975) 440",
              .note = "Restitution falls with impact speed v: c v (1+e) = ln((1+c v)/(1-c e v)), whatever n "
                      "and the masses. "
-                     "Never pulls while it acts as on an impact.",
+                     "Never pulls while it acts as on an impact. Its loop stays scalar: the power of the overlap "
+                     "branches on its exponent.",
              .example = "stiffness = 5e6, restitution = 0.5, speed = 1.0",
              .parameters = hunt_parameters},
     .cut = 1,

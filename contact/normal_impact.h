@@ -21,7 +21,8 @@ static const struct scree_normal_law scree_normal_impact = {
              .source = "MSC Adams/Solver, functions IMPACT and STEP",
              .note = "Continuous at first touch; damped both ways; never pulls. Restitution depends on "
                      "impact speed and has no "
-                     "closed form, so the damping must be given.",
+                     "closed form, so the damping must be given. Its loop stays scalar: the power of the overlap "
+                     "branches on its exponent.",
              .example = "stiffness = 1e5, exponent = 1.0, damping = 30.0, full = 2e-4",
              .parameters = blend_parameters},
     .cut = 1,

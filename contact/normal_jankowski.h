@@ -46,7 +46,7 @@ static inline struct scree_normal_force normal_jankowski_force(const struct scre
                                                                struct scree_pressing at) {
     (void)law;
     struct scree_normal_force f = tsuji_force(pair, at);
-    f.damping = at.closing > 0.0 ? f.damping : 0.0;
+    f.damping *= at.closing > 0.0 ? 1.0 : 0.0;
     return f;
 }
 

@@ -11,7 +11,8 @@ static inline struct scree_normal_force normal_linear_loading_force(const struct
                                                                     struct scree_pair_constants pair,
                                                                     struct scree_pressing at) {
     double spring = law->c[LINEAR_STIFFNESS] * at.overlap;
-    return (struct scree_normal_force){spring, at.closing > 0.0 ? pair.c[LINEAR_DAMPING] : 0.0, spring, 0.0, 0.0};
+    double approaching = at.closing > 0.0 ? 1.0 : 0.0;
+    return (struct scree_normal_force){spring, approaching * pair.c[LINEAR_DAMPING], spring, 0.0, 0.0};
 }
 
 static inline scree_status normal_linear_loading_bake(const struct scree_values *values,

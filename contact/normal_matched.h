@@ -33,7 +33,8 @@ static const struct scree_normal_law scree_normal_matched = {
              .formula = "F = k d^p + alpha sqrt(m k) d^((p-1)/2) u while d > 0 (may pull)",
              .source = "Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239, for any exponent",
              .note = "Restitution is the same at every speed: e = exp(-pi zeta/sqrt(1-zeta^2)), zeta = "
-                     "alpha/sqrt(2 (p+1)). Near the end of a contact the force pulls.",
+                     "alpha/sqrt(2 (p+1)). Near the end of a contact the force pulls. Its loop stays scalar: the power "
+                     "of the overlap branches on its exponent.",
              .parameters = matched_parameters,
              .example = "stiffness = 5e6, exponent = 1.5, restitution = 0.5"},
     .cut = 0,

@@ -34,7 +34,8 @@ static const struct scree_normal_law scree_normal_matched_cut = {
              .formula = "F = max(0, k d^p + alpha sqrt(m k) d^((p-1)/2) u)",
              .source = "Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239, for any exponent",
              .note = "Never pulls. Restitution is the same at every speed: e = exp(-2 zeta "
-                     "arccos(zeta)/sqrt(1-zeta^2)), zeta = alpha/sqrt(2 (p+1)); any 0 < e <= 1 can be had.",
+                     "arccos(zeta)/sqrt(1-zeta^2)), zeta = alpha/sqrt(2 (p+1)); any 0 < e <= 1 can be had. Its loop "
+                     "stays scalar: the power of the overlap branches on its exponent.",
              .parameters = matched_parameters,
              .example = "stiffness = 1e7, exponent = 2.0, restitution = 0.5"},
     .cut = 1,

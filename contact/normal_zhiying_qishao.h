@@ -33,7 +33,8 @@ static const struct scree_normal_law scree_normal_zhiying_qishao = {
              .source = "Zhiying & Qishao, J. Beijing Univ. Aeronaut. Astronaut. 32 (2006)",
              .note = "v0 is the impact speed of each contact, so the restitution is the same at every speed: D "
                      "(1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; calibrated = 1 takes the D "
-                     "that delivers e. Never pulls while it acts as on an impact.",
+                     "that delivers e. Never pulls while it acts as on an impact. Its loop stays scalar: the power of "
+                     "the overlap branches on its exponent.",
              .parameters = hysteresis_parameters,
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,
