@@ -77,6 +77,10 @@ for wrong in "did you mean \"hertz\"?|--law|herz modulus=1" "did you mean \"modu
     expect "impact: nothing is printed for $*" test -z "$("$scree" impact "$@" 2>/dev/null)"
 done
 check 'impact: a sharp corner' 2 'give the box a rounding' "$scree" impact --law 'hertz modulus=1e8' --ball 'box x=1 y=1 z=1 mass=1'
+check 'impact: asked for' 0 'linear,0.5,1,damping,23.60177' "$scree" impact --want damping=0.5 --law 'linear stiffness=1e5' \
+    --law 'blend stiffness=1e5 full=2e-4' --ball 'sphere radius=0.02 mass=0.03'
+check 'impact: asked for what is not there' 2 'did you mean "damping"' "$scree" impact --want dampin=0.5 --law 'linear stiffness=1e5'
+check 'impact: asked for nothing' 2 'takes KEY=E' "$scree" impact --want damping --law 'linear stiffness=1e5'
 check 'impact: no law' 2 'needs a normal law' "$scree" impact
 
 for scene in "$scenes"/*.toml; do check "check $scene" 0 'step:' "$scree" check "$scene"; done

@@ -1,4 +1,5 @@
 /* scree impact: two bodies meet; what laws make of it, side by side, over a sweep. */
+#include "contact/ask.h"
 #include "engine/cli/cli.h"
 #include "engine/cli/figures.h"
 #include "engine/cli/words.h"
@@ -32,6 +33,9 @@ static const char help[] =
     "  --sweep NAME=FROM:TO:COUNT[:log]\n"
     "                       speed, angle, spin, host-spin, law.KEY, friction.KEY, ball.KEY or host.KEY in COUNT "
     "values\n"
+    "  --want KEY=E         print the value of each law's parameter KEY (a damping) that delivers the restitution E "
+    "for these\n"
+    "                       bodies at this speed, found by integration to 1e-10\n"
     "  --loop               without -o: print the force-overlap loop instead of the results\n"
     "  -o DIR               write impact.csv and loop.csv (the loop at the values that aren't swept), and plots of "
     "both, into\n"
@@ -423,6 +427,42 @@ static scree_status write_folder(struct setting *s, const char *folder) {
     return status;
 }
 
+/* ---- asked for ---- */
+
+/* The value of a law's parameter at which the bodies part with the wanted restitution. */
+static scree_status print_wanted(struct setting *s, const char *key, double restitution, FILE *file) {
+    struct words_body body[2];
+    scree_status status = words_body(&s->ball, "--ball", &body[0], &s->trouble);
+    if (!status) status = words_body(&s->host, "--host", &body[1], &s->trouble);
+    if (!status && (body[0].shape.kind != SCREE_SPHERE || body[1].shape.kind == SCREE_BOX))
+        status = scree_report(&s->trouble, SCREE_BAD_INPUT, "--want", "--want is for a sphere on a plane or a sphere");
+    if (status) return status;
+    double m = body[0].mass, other = body[1].mass, r = body[0].shape.radius;
+    double young[2] = {body[0].young, body[1].young}, poisson[2] = {body[0].poisson, body[1].poisson};
+    struct scree_elastic elastic = scree_elastic_of(young, poisson);
+    struct scree_wish wish = {.restitution = restitution, .speed = s->quantity[SPEED], .tolerance = 1e-10};
+    wish.mass = other > 0.0 ? m * other / (m + other) : m;
+    wish.radius = body[1].shape.kind == SCREE_SPHERE ? r * body[1].shape.radius / (r + body[1].shape.radius) : r;
+    for (int k = 0; k < s->laws; k++) {
+        scree_law_choice choice = {0};
+        double value = NAN;
+        status = words_law(&s->law[k], &choice, &s->trouble);
+        if (!status) status = scree_ask(&choice, &elastic, key, &wish, &value, &s->trouble);
+        if (status) return status;
+        if (k == 0) fprintf(file, "law,restitution,speed_m_s,parameter,value\n");
+        fprintf(file, "%s,%.17g,%.17g,%s,%.17g\n", s->law[k].name, restitution, wish.speed, key, value);
+    }
+    return SCREE_OK;
+}
+
+/* KEY=E into its parts. */
+static int read_want(const char *text, char key[64], double *restitution) {
+    char rest;
+    if (sscanf(text, "%63[^=]=%lf%c", key, restitution, &rest) == 2 && *restitution > 0.0 && *restitution <= 1.0)
+        return EXIT_GOOD;
+    return cli_complain("--want takes KEY=E, a parameter and a restitution above 0 and at most 1, not \"%s\"", text);
+}
+
 /* ---- the command ---- */
 
 static int read_laws(const char *const *text, int count, const char *option, struct words *words,
@@ -434,7 +474,8 @@ static int read_laws(const char *const *text, int count, const char *option, str
 
 int cli_impact(int count, char **words) {
     struct setting s = {.quantity = {[SPEED] = 1.0}};
-    const char *law[MOST_LAWS], *friction[MOST_LAWS], *folder = NULL, *sweep = NULL, *quantity[QUANTITIES] = {0};
+    const char *law[MOST_LAWS], *friction[MOST_LAWS], *folder = NULL, *sweep = NULL, *want = NULL;
+    const char *quantity[QUANTITIES] = {0};
     const char *ball = "sphere radius=0.01 density=2500", *host = "plane";
     int loop = 0;
     const struct cli_option options[] = {
@@ -447,6 +488,7 @@ int cli_impact(int count, char **words) {
         {.name = "--spin", .value = &quantity[SPIN]},
         {.name = "--host-spin", .value = &quantity[HOST_SPIN]},
         {.name = "--sweep", .value = &sweep},
+        {.name = "--want", .value = &want},
         {.name = "--loop", .flag = &loop},
         {.name = "-o", .value = &folder},
         {0}};
@@ -464,9 +506,13 @@ int cli_impact(int count, char **words) {
     if (code) return code;
     if (s.sweep.key && strncmp(s.sweep.name, "friction.", 9) == 0 && !s.frictions)
         return cli_complain("--sweep %s: there is no --friction", s.sweep.name);
-    scree_status status = folder ? write_folder(&s, folder)
-                          : loop ? print_loops(&s, stdout)
-                                 : print_results(&s, stdout);
+    char key[64];
+    double restitution = 1.0;
+    if (want && read_want(want, key, &restitution)) return EXIT_USAGE;
+    scree_status status = want     ? print_wanted(&s, key, restitution, stdout)
+                          : folder ? write_folder(&s, folder)
+                          : loop   ? print_loops(&s, stdout)
+                                   : print_results(&s, stdout);
     if (status) cli_complain("%s", s.trouble.text);
     return cli_exit_code(status);
 }
