@@ -357,6 +357,7 @@ static void test_head_on(void) {
         NEAR(after.restitution, impact.restitution, 1e-9);
         CLOSE(after.duration, impact.duration, 1e-9);
         CLOSE(after.deepest, impact.deepest, 1e-9);
+        scree_free_rule(&rule);
     }
 }
 
@@ -389,6 +390,7 @@ static void test_energy(void) {
         for (int f = 0; scree_friction_laws[f]; f++) {
             struct scree_rule rule = plausible_rule(n, f);
             check_energy(&rule, &seed);
+            scree_free_rule(&rule);
         }
 }
 
