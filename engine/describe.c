@@ -69,6 +69,7 @@ static void describe_near(const scree_scene *scene, FILE *file) {
 
 static void describe_step(const scree_scene *scene, FILE *file) {
     const struct scree_step_choice *choice = &scene->plan.choice;
+    fprintf(file, "integrator: %s\n", scene->time.integrator == SCREE_PAIR_IMPULSE ? "pair-impulse" : "verlet");
     fprintf(file, "step: %.9g s, %s\n", choice->step, choice->automatic ? "automatic" : "as given");
     if (choice->shortest_pair[0] < 0) {
         fprintf(file, "  nothing can touch\n");

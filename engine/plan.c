@@ -157,6 +157,14 @@ static double stable_step(struct pair_rates rates) {
     return root > 0.0 ? 4.0 / root : HUGE_VAL;
 }
 
+/* The same for pair impulses, 1/h as a broken line over w = sqrt(K) and C below which no block of spheres with 12 neighbours
+ * each grew, whatever its damping ratio; the others' extrapolated forces set it, not the pair's own motion. */
+static double stable_impulse_step(struct pair_rates rates) {
+    double c = rates.damping + rates.friction_ramp, w = sqrt(rates.stiffness);
+    double rate = fmax(fmin(1.2 * w + 3.25 * c, 2.05 * w + 1.125 * c), 2.15 * c);
+    return rate > 0.0 ? 1.0 / rate : HUGE_VAL;
+}
+
 /* Height that a body could fall through: from the highest to the lowest along gravity. */
 static double fall_height(const struct scree_scene *scene) {
     struct vec g = vec_from(scene->gravity.vector);
@@ -211,7 +219,8 @@ static void limit_by(const struct scree_scene *scene, int i, int j, struct scree
     const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, &scene->bodies, i, j, NULL);
     if (!rule) return;
     struct pair_rates rates = rates_of(scene, rule, i, j, choice->speed);
-    note_pair(stable_step(rates), i, j, &choice->limit, choice->limit_pair);
+    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
+    note_pair(impulses ? stable_impulse_step(rates) : stable_step(rates), i, j, &choice->limit, choice->limit_pair);
     note_pair(pi / sqrt(rates.stiffness), i, j, &choice->duration, choice->shortest_pair);
 }
 
@@ -369,11 +378,21 @@ static scree_status plan_pairs_and_step(struct scree_scene *scene) {
     return status;
 }
 
+/* What the pair-impulse method needs before the first list. */
+static scree_status keep_impulses(struct scree_scene *scene) {
+    scree_status status = scree_bodies_keep_past(&scene->bodies, &scene->trouble);
+    if (!status) status = scree_scene_look_now(scene);
+    scree_contacts_keep_impulses(&scene->contacts, scene->time.substeps);
+    return status;
+}
+
 static scree_status bake(struct scree_scene *scene) {
     scree_status status = make_bodies(scene);
     if (!status)
         status = scree_contacts_create(&scene->contacts, scene->defs, scene->materials, scene->rule, scene->rules,
                                        &scene->trouble);
+    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
+    if (!status && impulses) status = keep_impulses(scene);
     if (status) return status;
     count_bodies(scene);
     status = plan_pairs_and_step(scene);
@@ -382,6 +401,7 @@ static scree_status bake(struct scree_scene *scene) {
     scene->contacts.measured = scene->time.energy;
     status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
+    if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
     if (status || !scene->time.energy) return status;
     scree_energy energy;
     status = scree_energy_now(scene, &energy);
