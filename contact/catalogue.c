@@ -45,6 +45,8 @@ const char *scree_range_text(enum scree_range range) {
         return ">= 1";
     case SCREE_FROM_ONE_TO_3:
         return ">= 1 and <= 3";
+    case SCREE_ZERO_OR_ONE:
+        return "0 or 1";
     }
     return "any";
 }
@@ -62,6 +64,8 @@ static int in_range(double value, enum scree_range range) {
         return value >= 1.0;
     case SCREE_FROM_ONE_TO_3:
         return value >= 1.0 && value <= 3.0;
+    case SCREE_ZERO_OR_ONE:
+        return value == 0.0 || value == 1.0;
     }
     return 0;
 }
@@ -113,10 +117,20 @@ struct scree_elastic scree_elastic_of(const double young[2], const double poisso
     return (struct scree_elastic){1.0 / soft, 1.0 / yielding};
 }
 
+/* Whether a parameter is given that stands instead of parameter `index`. */
+static int replaced(const struct scree_law_text *text, const struct scree_values *values, int index) {
+    for (int k = 0; text->parameters[k].name; k++) {
+        const char *other = text->parameters[k].instead_of;
+        if (other && strcmp(other, text->parameters[index].name) == 0 && !isnan(values->v[k])) return 1;
+    }
+    return 0;
+}
+
 /* Parameters that weren't given, from the materials. */
 static void take_from_materials(const struct scree_law_text *text, const struct scree_elastic *elastic,
                                 struct scree_values *values) {
     for (int k = 0; text->parameters[k].name; k++) {
+        if (replaced(text, values, k)) continue;
         enum scree_material_value from = text->parameters[k].material;
         double value = !elastic || from == SCREE_FROM_CONTACT ? 0.0
                        : from == SCREE_FROM_MODULUS           ? elastic->modulus
@@ -135,10 +149,12 @@ static scree_status check_complete(const struct scree_law_text *text, struct scr
             int both = !isnan(values->v[k]) && !isnan(values->v[other]);
             int neither = isnan(values->v[k]) && isnan(values->v[other]);
             if (both || neither)
-                return scree_report(trouble, SCREE_BAD_INPUT, both ? parameter->name : NULL,
-                                    "the law \"%s\" takes either %s (%s) or %s, %s", text->name, parameter->name,
-                                    parameter->meaning, parameter->instead_of,
-                                    both ? "not both" : "and neither is given");
+                return scree_report(
+                    trouble, SCREE_BAD_INPUT, both ? parameter->name : NULL,
+                    "the law \"%s\" takes either %s (%s) or %s%s, %s", text->name, parameter->name, parameter->meaning,
+                    parameter->instead_of,
+                    neither && text->parameters[other].material ? " (or `young` and `poisson` of both materials)" : "",
+                    both ? "not both" : "and neither is given");
             continue;
         }
         if (!isnan(values->v[k])) continue;

@@ -26,6 +26,7 @@ enum scree_range {
     SCREE_FRACTION,      /* 0 < value <= 1 */
     SCREE_AT_LEAST_ONE,  /* >= 1 */
     SCREE_FROM_ONE_TO_3, /* 1 … 3 */
+    SCREE_ZERO_OR_ONE,   /* 0 or 1: a switch */
 };
 
 /* What two materials say of a contact between them. */

@@ -44,6 +44,13 @@ static inline double linear_zeta(const struct scree_law_constants *law, struct s
     return pair.c[LINEAR_DAMPING] / (2.0 * sqrt(law->c[LINEAR_STIFFNESS] * mass));
 }
 
+/* Damping ratio that gives restitution e where the contact ends at zero overlap, and the other way round. */
+static inline double linear_zeta_pulling(double e) { return -log(e) / hypot(3.14159265358979323846, log(e)); }
+
+static inline double linear_e_pulling(double zeta) {
+    return zeta < 1.0 ? exp(-3.14159265358979323846 * zeta / sqrt((1.0 - zeta) * (1.0 + zeta))) : 0.0;
+}
+
 /* arccos(zeta)/sqrt(1 - zeta^2), continued beyond zeta = 1 by arcosh(zeta)/sqrt(zeta^2 - 1). */
 static inline double linear_angle(double zeta) {
     double q = (1.0 - zeta) * (1.0 + zeta);

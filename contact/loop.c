@@ -22,6 +22,7 @@ struct block {
     double force[SCREE_LANES];       /* normal, N */
     double reversible[SCREE_LANES];  /* part of it that is stored, N */
     double touching[SCREE_LANES];    /* 1 while the contact lasts, else 0 */
+    double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
     double friction[3][SCREE_LANES]; /* N */
 };
 
@@ -95,6 +96,13 @@ static inline double share_in_touch(double overlap, double closing, double step)
     return share > 0.0 ? share : 0.0;
 }
 
+/* Energy that is lost when bodies attach whose law reaches beyond touch: it binds them at once, and counts from the end. */
+static inline double snap_energy(double (*stored)(const struct scree_law_constants *, struct scree_pair_constants,
+                                                  struct scree_pressing),
+                                 const struct scree_law_constants *law, struct scree_pair_constants pair) {
+    return -stored(law, pair, (struct scree_pressing){0.0, 0.0, 0.0, 1.0});
+}
+
 /* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step in
  * which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The spring
  * is left as it is: there the mid-step rule is of second order already, and reversible. */
@@ -124,6 +132,10 @@ static inline double share_in_touch(double overlap, double closing, double step)
             b->force[k] = force;                                                                                       \
             b->reversible[k] = touching ? f.reversible : 0.0;                                                          \
             b->touching[k] = touching ? 1.0 : 0.0;                                                                     \
+            if (scree_normal_##word.reach)                                                                             \
+                b->snap[k] = touching && !(at.second > 0.0)                                                            \
+                                 ? snap_energy(scree_normal_##word.stored, &constants, of_pair)                        \
+                                 : 0.0;                                                                                \
         }                                                                                                              \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
@@ -194,10 +206,12 @@ static void write_yield(const struct block *b, int count, double step, int frict
 }
 
 /* What the contacts took out of the motion during the step. Summed lane by lane: a fixed order. */
-static void measure_losses(const struct block *b, int count, double step, int friction, struct scree_yield *yield) {
+static void measure_losses(const struct block *b, int count, double step, int friction, int snaps,
+                           struct scree_yield *yield) {
     double normal = 0.0, tangential = 0.0;
     for (int k = 0; k < count; k++) {
         normal += step * (b->force[k] - b->reversible[k]) * b->closing[k];
+        if (snaps) normal += b->snap[k];
         if (friction)
             tangential -= step * (b->friction[0][k] * b->slip[0][k] + b->friction[1][k] * b->slip[1][k] +
                                   b->friction[2][k] * b->slip[2][k]);
@@ -222,7 +236,8 @@ static void act_block(const struct scree_contacts *contacts, const struct scree_
     normal_passes[rule->normal](&b, count, &rule->normal_constants, pair, kept, step);
     if (friction) friction_passes[rule->friction](&b, count, &rule->friction_constants, pair, kept, step);
     write_yield(&b, count, step, friction, batch->any_turns, batch->slope, &batch->yield[block]);
-    if (contacts->measured) measure_losses(&b, count, step, friction, &batch->yield[block]);
+    int snaps = scree_normal_laws[rule->normal]->reach != NULL;
+    if (contacts->measured) measure_losses(&b, count, step, friction, snaps, &batch->yield[block]);
 }
 
 static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
@@ -304,6 +319,8 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
         tangential_pair.c[c - SCREE_PAIR_FRICTION] = columns[c][lane];
     struct scree_normal_force f = normal->force(&rule->normal_constants, pair, pressing);
     if (!(normal->reach ? f.second > 0.0 : b.overlap[0] > 0.0)) return 0;
+    /* Until the loop has booked what attaching costs, the contact hasn't cost it. */
+    int unbooked = normal->reach && !(pressing.second > 0.0);
     double force = f.elastic + f.damping * b.closing[0];
     pressing.first = f.first;
     pressing.second = f.second;
@@ -312,6 +329,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->closing = b.closing[0];
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
     touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
+    if (unbooked) touch->stored += snap_energy(normal->stored, &rule->normal_constants, pair);
     touch->normal = get(b.n, 0);
     touch->point = vec_add(vec_from(bodies->record[contact->ball].x), get(b.arm, 0));
     touch->slip = get(b.slip, 0);

@@ -90,12 +90,9 @@ static inline double normal_hunt_crossley_stored(const struct scree_law_constant
     return law->c[HUNT_STIFFNESS] * at.overlap * scree_power(at.overlap, n) / (n + 1.0);
 }
 
-/* Inverse of the relation above: w = c v_o solves w + ln(1 - w) = ln(1 + D) - D with 0 <= w < min(1, D). */
-static inline double normal_hunt_crossley_restitution(const struct scree_law_constants *law,
-                                                      struct scree_pair_constants pair, double mass, double speed) {
-    (void)pair;
-    (void)mass;
-    double d = law->c[HUNT_FACTOR] * speed;
+/* Inverse of the relation above, the restitution of D = c v_i: w = c v_o solves w + ln(1 - w) = ln(1 + D) - D with
+ * 0 <= w < min(1, D). */
+static inline double hunt_restitution(double d) {
     if (d < 1e-9) return 1.0 - 2.0 / 3.0 * d;
     double low = 0.0, high = d < 1.0 ? d : 1.0, target = hunt_log(d);
     for (int k = 0; k < 200; k++) {
@@ -107,6 +104,13 @@ static inline double normal_hunt_crossley_restitution(const struct scree_law_con
             high = middle;
     }
     return low / d;
+}
+
+static inline double normal_hunt_crossley_restitution(const struct scree_law_constants *law,
+                                                      struct scree_pair_constants pair, double mass, double speed) {
+    (void)pair;
+    (void)mass;
+    return hunt_restitution(law->c[HUNT_FACTOR] * speed);
 }
 
 static const struct scree_normal_law scree_normal_hunt_crossley = {

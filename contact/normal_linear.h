@@ -12,22 +12,17 @@ normal_linear_force(const struct scree_law_constants *law, struct scree_pair_con
     return (struct scree_normal_force){spring, pair.c[LINEAR_DAMPING], spring, 0.0, 0.0};
 }
 
-static inline double normal_linear_e(double zeta) {
-    return zeta < 1.0 ? exp(-3.14159265358979323846 * zeta / sqrt((1.0 - zeta) * (1.0 + zeta))) : 0.0;
-}
-
 static inline scree_status normal_linear_bake(const struct scree_values *values, struct scree_law_constants *law,
                                               scree_trouble *trouble) {
     (void)trouble;
-    double lost = -log(values->v[LINEAR_GIVEN_RESTITUTION]);
-    linear_bake(values, law, lost / hypot(3.14159265358979323846, lost));
+    linear_bake(values, law, linear_zeta_pulling(values->v[LINEAR_GIVEN_RESTITUTION]));
     return SCREE_OK;
 }
 
 static inline double normal_linear_restitution(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                                double mass, double speed) {
     (void)speed;
-    return normal_linear_e(linear_zeta(law, pair, mass));
+    return linear_e_pulling(linear_zeta(law, pair, mass));
 }
 
 static const struct scree_normal_law scree_normal_linear = {

@@ -50,6 +50,7 @@ struct species {
     long count;
     int pick[MERITS][2];              /* the first and the second by each merit; -1 if there is none */
     int standing, stands[2 * MERITS]; /* the same without repetition: they stand for all */
+    int sharp;                        /* a box without rounding; -1: none */
 };
 
 static double merit_of(const struct scree_bodies *bodies, int k, enum merit merit) {
@@ -83,12 +84,16 @@ static struct species *sort_into_species(const struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     struct species *species = calloc((size_t)species_count(scene), sizeof *species);
     if (!species) return NULL;
-    for (int s = 0; s < species_count(scene); s++) memset(species[s].pick, -1, sizeof species[s].pick);
+    for (int s = 0; s < species_count(scene); s++) {
+        memset(species[s].pick, -1, sizeof species[s].pick);
+        species[s].sharp = -1;
+    }
     for (int k = 0; k < bodies->count; k++) {
         int index = bodies->material[k] * SCREE_SHAPE_KINDS + (int)bodies->shape[k].kind;
         struct species *s = &species[2 * index + scree_joint_can_move(&bodies->joint[k])];
         for (int merit = 0; merit < MERITS; merit++) enter(bodies, k, (enum merit)merit, s->pick[merit]);
         s->count++;
+        if (bodies->shape[k].kind == SCREE_BOX && bodies->record[k].radius == 0.0) s->sharp = k;
     }
     for (int s = 0; s < species_count(scene); s++) list_picks(&species[s]);
     return species;
@@ -111,29 +116,39 @@ static double deepest_overlap(const struct scree_normal_law *law, const struct s
     return high;
 }
 
+/* Effective radius of two bodies, whichever of them is the ball: the rounder one of two boxes. */
+static double radius_of(const struct scree_bodies *bodies, int i, int j) {
+    int balls = (bodies->shape[i].kind == SCREE_SPHERE) + (bodies->shape[j].kind == SCREE_SPHERE);
+    if (balls == 2) return scree_effective_radius(bodies, i, j, SCREE_BALL_BALL);
+    if (balls == 1) return bodies->record[bodies->shape[i].kind == SCREE_SPHERE ? i : j].radius;
+    return fmax(bodies->record[i].radius, bodies->record[j].radius);
+}
+
 struct pair_rates {
     double stiffness;     /* largest eigenvalue of M^-1 K, 1/s^2 */
     double damping;       /* of M^-1 C, 1/s */
     double friction_ramp; /* of the ramp of a velocity-regularised friction law under the pair's own weight, 1/s */
+    double reach;         /* of the normal law beyond touch, m */
 };
 
 static struct pair_rates rates_of(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
                                   double speed) {
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_normal_law *law = scree_normal_laws[rule->normal];
-    int balls = bodies->shape[i].kind == SCREE_SPHERE && bodies->shape[j].kind == SCREE_SPHERE;
     double normal = softness(bodies, i, 0) + softness(bodies, j, 0);
     double mass = scree_effective_mass(bodies, i, j) / rule->share;
     if (mass == 0.0) mass = 1.0 / normal; /* bodies that only turn */
-    double radius = scree_effective_radius(bodies, i, j, balls ? SCREE_BALL_BALL : SCREE_BALL_PLANE);
+    double radius = radius_of(bodies, i, j);
     struct scree_pair_constants pair = law->pair(&rule->normal_constants, mass, radius);
     double overlap = deepest_overlap(law, &rule->normal_constants, pair, mass, speed);
     struct scree_normal_force at =
         law->force(&rule->normal_constants, pair, (struct scree_pressing){overlap, speed, 0.0, 0.0});
+    /* With the memory of that overlap: some laws are much stiffer on the way back. */
     struct scree_normal_force less =
-        law->force(&rule->normal_constants, pair, (struct scree_pressing){0.999 * overlap, speed, 0.0, 0.0});
+        law->force(&rule->normal_constants, pair, (struct scree_pressing){0.999 * overlap, speed, at.first, at.second});
     double stiffness = (at.elastic - less.elastic) / (0.001 * overlap);
-    struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0};
+    struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0, 0.0};
+    if (law->reach) rates.reach = law->reach(&rule->normal_constants, pair);
     if (rule->friction < 0) return rates;
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     double tangential = softness(bodies, i, 1) + softness(bodies, j, 1);
@@ -222,11 +237,13 @@ static void limit_by(const struct scree_scene *scene, int i, int j, struct scree
     int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
     note_pair(impulses ? stable_impulse_step(rates) : stable_step(rates), i, j, &choice->limit, choice->limit_pair);
     note_pair(pi / sqrt(rates.stiffness), i, j, &choice->duration, choice->shortest_pair);
+    choice->reach = fmax(choice->reach, rates.reach);
 }
 
 static void find_limits(const struct scree_scene *scene, const struct species *species,
                         struct scree_step_choice *choice) {
     choice->limit = choice->duration = HUGE_VAL;
+    choice->reach = 0.0;
     choice->limit_pair[0] = choice->limit_pair[1] = choice->shortest_pair[0] = choice->shortest_pair[1] = -1;
     for (int s = 0; s < species_count(scene); s++)
         for (int t = s; t < species_count(scene); t++)
@@ -321,6 +338,30 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
     return SCREE_OK;
 }
 
+/* Sharp corners have no radius that a law could use, as Hertz's stiffness does. */
+static scree_status check_sharp(struct scree_scene *scene, const struct species *species) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int s = 0; s < species_count(scene); s++) {
+        for (int t = 0; t < species_count(scene); t++) {
+            int i = species[s].sharp, j = species[t].count ? species[t].stands[0] : -1;
+            if (j == i && j >= 0) j = species[t].standing > 1 ? species[t].stands[1] : -1;
+            if (i < 0 || j < 0 || bodies->shape[j].kind == SCREE_SPHERE) continue;
+            const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, NULL);
+            if (!rule) continue;
+            const struct scree_normal_law *law = scree_normal_laws[rule->normal];
+            struct scree_pair_constants small = law->pair(&rule->normal_constants, 1.0, 1.0);
+            struct scree_pair_constants large = law->pair(&rule->normal_constants, 1.0, 2.0);
+            if (memcmp(&small, &large, sizeof small) == 0) continue;
+            return scree_report(
+                &scene->trouble, SCREE_BAD_INPUT, "rounding",
+                "the contact of \"%s\" with \"%s\" takes the radius of the corners that touch, and those "
+                "of \"%s\" are sharp: give it a rounding, or the contact a stiffness",
+                scree_name(scene, i), scree_name(scene, j), scree_name(scene, i));
+        }
+    }
+    return SCREE_OK;
+}
+
 /* Bodies that can only turn have no mass that a law could use, as restitution does. */
 static scree_status check_turning(struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
@@ -343,12 +384,12 @@ static scree_status check_turning(struct scree_scene *scene) {
 }
 
 /* Gap up to which contacts are listed. Wide where bodies are few (lists cost little, making them anew does), narrow
- * where they are many. */
-static double choose_skin(const struct scree_bodies *bodies) {
+ * where they are many; and always beyond the reach of the laws, so that no list drops a contact that still holds. */
+static double choose_skin(const struct scree_bodies *bodies, double reach) {
     double thinnest = HUGE_VAL;
     for (int k = 0; k < bodies->count; k++) thinnest = fmin(thinnest, scree_shape_half_width(&bodies->shape[k]));
     if (!(thinnest < HUGE_VAL)) thinnest = 1.0;
-    return (bodies->count <= 256 ? 1.0 : 0.4) * thinnest;
+    return fmax((bodies->count <= 256 ? 1.0 : 0.4) * thinnest, 1.5 * reach);
 }
 
 static scree_status check_start_overlaps(struct scree_scene *scene) {
@@ -372,6 +413,7 @@ static scree_status plan_pairs_and_step(struct scree_scene *scene) {
     struct species *species = sort_into_species(scene);
     if (!species) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the plan");
     scree_status status = check_pairs(scene, species);
+    if (!status) status = check_sharp(scene, species);
     if (!status) status = check_turning(scene);
     if (!status) status = choose_step(scene, species);
     free(species);
@@ -397,7 +439,7 @@ static scree_status bake(struct scree_scene *scene) {
     count_bodies(scene);
     status = plan_pairs_and_step(scene);
     if (status) return status;
-    scene->contacts.skin = choose_skin(&scene->bodies);
+    scene->contacts.skin = choose_skin(&scene->bodies, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
     status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);

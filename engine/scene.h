@@ -13,6 +13,7 @@ struct scree_step_choice {
     int limit_pair[2]; /* bodies of the contact that sets the limit; -1: nothing limits */
     double duration;   /* s: of the shortest contact */
     int shortest_pair[2];
+    double reach; /* m: farthest that a normal law holds bodies beyond touch */
     double speed; /* m/s reckoned with */
     int speed_given;
     int automatic;

@@ -43,7 +43,7 @@ check 'two scenes' 2 'takes one scene file' "$scree" run a b
 check laws 0 'linear-loading' "$scree" laws
 check 'one law' 0 'restitution e wanted' "$scree" laws linear
 check 'no such law' 2 'did you mean "hunt-crossley"?' "$scree" laws hunt-crosley
-for law in $("$scree" laws | sed -n 's/^  \([a-z-]*\) .*/\1/p'); do check "laws $law" 0 'source:' "$scree" laws "$law"; done
+for law in $("$scree" laws | sed -n 's/^  \([a-z0-9-]*\) .*/\1/p'); do check "laws $law" 0 'source:' "$scree" laws "$law"; done
 
 for scene in "$scenes"/*.toml; do check "check $scene" 0 'step:' "$scree" check "$scene"; done
 check 'check from standard input' 0 'bodies: 3' sh -c "'$scree' check - <'$scenes/incline.toml'"
@@ -200,9 +200,9 @@ check 'no such figure' 2 'no figure "99"' "$scree" reproduce 99
 check 'figures without gnuplot' 0 "gnuplot can't be started" env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 9 11b
 for file in fig_9.csv fig_9.gp fig_11b.csv report.csv; do expect "reproduce writes $file" test -s "$work/figures/$file"; done
 nothing_left "$work/figures/fig_9.svg"
-normal_laws=$("$scree" laws | sed -n '/^normal/,/^friction/s/^  \([a-z-]*\) .*/\1/p')
+normal_laws=$("$scree" laws | sed -n '/^normal/,/^friction/s/^  \([a-z0-9-]*\) .*/\1/p')
 check 'figure 8' 0 'bounds met' env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 8
-friction_laws=$("$scree" laws | sed -n '/^friction/,$s/^  \([a-z-]*\) .*/\1/p')
+friction_laws=$("$scree" laws | sed -n '/^friction/,$s/^  \([a-z0-9-]*\) .*/\1/p')
 for law in $friction_laws; do expect "figure 9 draws $law" grep -q "^\"$law\"," "$work/figures/fig_9.csv"; done
 for law in $normal_laws; do expect "figure 8 draws $law" grep -q "^\"$law\"," "$work/figures/fig_8.csv"; done
 if command -v gnuplot >/dev/null; then

@@ -1,4 +1,5 @@
 /* scree laws: the catalogue of contact laws. */
+#include "contact/ask.h"
 #include "contact/catalogue.h"
 #include "engine/cli/cli.h"
 
@@ -19,18 +20,40 @@ static void print_text(const struct scree_law_text *text, const char *kind, int 
         printf("    %-16s %-8s %-16s %s", p->name, p->unit, scree_range_text(p->range), p->meaning);
         if (p->instead_of) printf("; instead of %s", p->instead_of);
         if (p->optional && isnan(p->fallback)) printf("; optional");
+        if (p->material) printf("; from `young` and `poisson` of the materials if not given");
         if (p->optional && !isnan(p->fallback)) printf("; %g if not given", p->fallback);
         printf("\n");
     }
 }
 
+/* What the law makes of the restitution it is asked for: computed, not quoted. */
+static void print_validity(const struct scree_normal_law *law) {
+    static const double tolerance = 0.01;
+    struct scree_validity validity = scree_validity_of(law, tolerance);
+    if (!validity.asked) return;
+    printf("  restitution: ");
+    if (validity.from == 0.0)
+        printf("delivers what is asked for, within %.1g (computed for 0 < e <= 1)\n", validity.worst);
+    else if (validity.from > 1.0)
+        printf("doesn't deliver what is asked for; worst by %.3g, at e = %.3g (computed)\n", validity.worst,
+               validity.worst_at);
+    else
+        printf("delivers what is asked for within %g for e >= %.3g; worst by %.3g, at e = %.3g (computed)\n", tolerance,
+               validity.from, validity.worst, validity.worst_at);
+}
+
+static void print_normal(const struct scree_normal_law *law) {
+    print_text(&law->text, "normal law", law->memory);
+    print_validity(law);
+}
+
 static void print_list(void) {
     printf("normal laws\n");
     for (int k = 0; scree_normal_laws[k]; k++)
-        printf("  %-16s %s\n", scree_normal_laws[k]->text.name, scree_normal_laws[k]->text.formula);
+        printf("  %-22s %s\n", scree_normal_laws[k]->text.name, scree_normal_laws[k]->text.formula);
     printf("friction laws\n");
     for (int k = 0; scree_friction_laws[k]; k++)
-        printf("  %-16s %s\n", scree_friction_laws[k]->text.name, scree_friction_laws[k]->text.formula);
+        printf("  %-22s %s\n", scree_friction_laws[k]->text.name, scree_friction_laws[k]->text.formula);
     printf("`scree laws NAME` tells more.\n");
 }
 
@@ -41,7 +64,7 @@ int cli_laws(int count, char **words) {
     if (count == 0) print_list();
     for (int n = 0; n < count; n++) {
         int normal = scree_find_normal_law(words[n]), friction = scree_find_friction_law(words[n]);
-        if (normal >= 0) print_text(&scree_normal_laws[normal]->text, "normal law", 0);
+        if (normal >= 0) print_normal(scree_normal_laws[normal]);
         if (friction >= 0)
             print_text(&scree_friction_laws[friction]->text, "friction law", scree_friction_laws[friction]->memory);
         if (normal >= 0 || friction >= 0) continue;

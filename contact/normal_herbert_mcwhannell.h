@@ -1,0 +1,48 @@
+/* Spring and dashpot that grow alike with the overlap, scaled by the impact speed v0 of the contact (contact/hysteresis.h).
+ *   F = k d^n (1 + D u/v0),  D = 6 (1-e)/((2e-1)^2+3)          Herbert & McWhannell, J. Eng. Ind. 99 (1977) 263
+ * The contact ends at zero overlap, where the force is zero too; restitution e' by D (1 + e') = ln[(1 + D)/(1 - D e')]. */
+#ifndef SCREE_CONTACT_NORMAL_HERBERT_MCWHANNELL_H
+#define SCREE_CONTACT_NORMAL_HERBERT_MCWHANNELL_H
+
+#include "contact/hysteresis.h"
+
+static inline scree_status normal_herbert_mcwhannell_bake(const struct scree_values *values,
+                                                          struct scree_law_constants *law, scree_trouble *trouble) {
+    (void)trouble;
+    return hysteresis_bake(values, law, HYSTERESIS_HERBERT_MCWHANNELL);
+}
+
+static inline struct scree_normal_force normal_herbert_mcwhannell_force(const struct scree_law_constants *law,
+                                                                        struct scree_pair_constants pair,
+                                                                        struct scree_pressing at) {
+    (void)pair;
+    return hysteresis_force(law, at);
+}
+
+static inline double normal_herbert_mcwhannell_restitution(const struct scree_law_constants *law,
+                                                           struct scree_pair_constants pair, double mass,
+                                                           double speed) {
+    (void)pair;
+    (void)mass;
+    (void)speed;
+    return hysteresis_restitution(law);
+}
+
+static const struct scree_normal_law scree_normal_herbert_mcwhannell = {
+    .text = {.name = "herbert-mcwhannell",
+             .formula = "F = k d^n (1 + D u/v0), D = 6 (1-e)/((2e-1)^2+3)",
+             .source = "Herbert & McWhannell, J. Eng. Ind. 99 (1977) 263",
+             .note = "v0 is the impact speed of each contact, so the restitution is the same at every speed: D "
+                     "(1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; calibrated = 1 takes the D "
+                     "that delivers e. Never pulls while it acts as on an impact.",
+             .parameters = hysteresis_parameters},
+    .cut = 1,
+    .memory = 1,
+    .bake = normal_herbert_mcwhannell_bake,
+    .pair = scree_any_pair,
+    .force = normal_herbert_mcwhannell_force,
+    .stored = normal_hunt_crossley_stored,
+    .restitution = normal_herbert_mcwhannell_restitution,
+};
+
+#endif

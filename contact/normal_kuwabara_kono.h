@@ -1,0 +1,38 @@
+/* Viscoelastic spheres; the force may pull, and the contact ends at zero overlap.
+ *   F = K (d^(3/2) + (3/2) A d^(1/2) u)
+ * Kuwabara & Kono, Jpn. J. Appl. Phys. 26 (1987) 1230; Brilliantov, Spahn, Hertzsch & Poeschel, Phys. Rev. E 53 (1996) 5382.
+ * Restitution falls with impact speed (Ramirez, Poeschel, Brilliantov & Schwager, Phys. Rev. E 60 (1999) 4465): a function of b = (3/2) A (K/m)^(2/5) v^(1/5),
+ * e = 1 - 1.15345 b + 0.79827 b^2 - ..., without closed form. */
+#ifndef SCREE_CONTACT_NORMAL_KUWABARA_KONO_H
+#define SCREE_CONTACT_NORMAL_KUWABARA_KONO_H
+
+#include "contact/kuwabara.h"
+
+static inline scree_status normal_kuwabara_kono_bake(const struct scree_values *values, struct scree_law_constants *law,
+                                                     scree_trouble *trouble) {
+    return kuwabara_bake(values, law, 0, trouble);
+}
+
+static inline struct scree_normal_force normal_kuwabara_kono_force(const struct scree_law_constants *law,
+                                                                   struct scree_pair_constants pair,
+                                                                   struct scree_pressing at) {
+    return kuwabara_force(law, pair, at);
+}
+
+static const struct scree_normal_law scree_normal_kuwabara_kono = {
+    .text = {.name = "kuwabara-kono",
+             .formula = "F = K (d^(3/2) + (3/2) A d^(1/2) u) while d > 0 (may pull), K = (4/3) E* sqrt(R*)",
+             .source =
+                 "Kuwabara & Kono, Jpn. J. Appl. Phys. 26 (1987) 1230; Brilliantov et al., Phys. Rev. E 53 (1996) 5382",
+             .note = "Near the end of a contact the force pulls. Restitution falls with impact speed: e = 1 - "
+                     "1.15345 b + 0.79827 b^2 - ..., b = (3/2) A (K/m)^(2/5) v^(1/5); it has no closed form, and "
+                     "a restitution asked for is found by integration.",
+             .parameters = kuwabara_parameters},
+    .cut = 0,
+    .bake = normal_kuwabara_kono_bake,
+    .pair = kuwabara_pair,
+    .force = normal_kuwabara_kono_force,
+    .stored = hertz_stored,
+};
+
+#endif

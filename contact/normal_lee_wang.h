@@ -1,0 +1,47 @@
+/* Spring and dashpot that grow alike with the overlap, scaled by the impact speed v0 of the contact (contact/hysteresis.h).
+ *   F = k d^n (1 + D u/v0),  D = 3 (1-e)/4          Lee & Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534
+ * The contact ends at zero overlap, where the force is zero too; restitution e' by D (1 + e') = ln[(1 + D)/(1 - D e')]. */
+#ifndef SCREE_CONTACT_NORMAL_LEE_WANG_H
+#define SCREE_CONTACT_NORMAL_LEE_WANG_H
+
+#include "contact/hysteresis.h"
+
+static inline scree_status normal_lee_wang_bake(const struct scree_values *values, struct scree_law_constants *law,
+                                                scree_trouble *trouble) {
+    (void)trouble;
+    return hysteresis_bake(values, law, HYSTERESIS_LEE_WANG);
+}
+
+static inline struct scree_normal_force normal_lee_wang_force(const struct scree_law_constants *law,
+                                                              struct scree_pair_constants pair,
+                                                              struct scree_pressing at) {
+    (void)pair;
+    return hysteresis_force(law, at);
+}
+
+static inline double normal_lee_wang_restitution(const struct scree_law_constants *law,
+                                                 struct scree_pair_constants pair, double mass, double speed) {
+    (void)pair;
+    (void)mass;
+    (void)speed;
+    return hysteresis_restitution(law);
+}
+
+static const struct scree_normal_law scree_normal_lee_wang = {
+    .text = {.name = "lee-wang",
+             .formula = "F = k d^n (1 + D u/v0), D = 3 (1-e)/4",
+             .source = "Lee & Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534",
+             .note = "v0 is the impact speed of each contact, so the restitution is the same at every speed: D "
+                     "(1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; calibrated = 1 takes the D "
+                     "that delivers e. Never pulls while it acts as on an impact.",
+             .parameters = hysteresis_parameters},
+    .cut = 1,
+    .memory = 1,
+    .bake = normal_lee_wang_bake,
+    .pair = scree_any_pair,
+    .force = normal_lee_wang_force,
+    .stored = normal_hunt_crossley_stored,
+    .restitution = normal_lee_wang_restitution,
+};
+
+#endif
