@@ -191,14 +191,23 @@ static struct instant move(const struct pair *p, const struct instant *from, dou
     return end;
 }
 
-/* ---- the beginning of a contact whose force grows as a root of the overlap ---- */
+/* ---- where the force sets in, or ends, as a root of the overlap ---- */
 
-/* Time from the virtual begin of an approaching contact, at which its overlap was zero; 0 if that is too long ago to matter. */
-static double since_begin(const struct pair *p, const struct instant *at, double time) {
+/* How near, in time, a piece is to an overlap of zero: since the one behind, until the one ahead; negative: too far to matter. */
+struct nearness {
+    double since, until;
+};
+
+static const struct nearness far = {-1.0, -1.0};
+
+static struct nearness nearness_of(const struct pair *p, const struct instant *at, double time) {
+    struct nearness near = far;
     double closing = closing_of(p, at);
-    if (p->root < 2 || !(closing > 0.0) || at->overlap < 0.0) return -1.0;
-    double since = at->overlap / closing;
-    return since < 6.0 * time ? since : -1.0;
+    if (p->root < 2 || closing == 0.0 || at->overlap < 0.0) return near;
+    double distance = at->overlap / fabs(closing);
+    if (closing > 0.0 && distance < 6.0 * time) near.since = distance;
+    if (closing < 0.0 && distance < 7.0 * time && !p->normal->cut) near.until = distance;
+    return near;
 }
 
 static double whole_power(double x, int power) {
@@ -215,57 +224,88 @@ static void place(const struct pair *p, const struct instant *from, double t, co
     at->overlap = from->overlap - vec_dot(vec_axpy(shift, t, from->velocity), p->n);
 }
 
-/* As move, but with the p-th root of the time since the begin as variable, in which force and motion are smooth, and J and M
- * themselves as states: t = -since + (since + time) sigma^p, in equal steps of sigma. */
-static struct instant move_from_root(const struct pair *p, const struct instant *from, double since, double time,
-                                     struct yield *yield) {
-    double span = since + time, first = since / span;
-    first = p->root == 4 ? sqrt(sqrt(first)) : scree_power(first, 1.0 / p->root);
-    int pieces = since < 1.5 * time ? 4 : 1;
-    if (pieces < p->substeps) pieces = p->substeps;
-    double size = (1.0 - first) / pieces, before = 0.0;
+/* Time as the p-th power of a variable that runs from `first` by `size` to its end, so that force and motion are smooth in it:
+ * t = sigma^p span - since behind a begin, until - span (1 - sigma)^p before an end. */
+struct clock {
+    double since, until, span, first, size, time;
+    int root, pieces, backwards;
+};
+
+static double whole_root(double x, int root) {
+    return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : scree_power(x, 1.0 / root);
+}
+
+static struct clock clock_for(const struct pair *p, struct nearness near, double time) {
+    struct clock c = {.root = p->root, .time = time, .backwards = near.since < 0.0};
+    double rest = c.backwards ? fmax(near.until - time, 0.0) : near.since;
+    c.since = near.since;
+    c.until = time + rest;
+    c.span = time + rest;
+    double nearest = whole_root(rest / c.span, c.root);
+    c.pieces = rest < 1.5 * time ? 4 : 1;
+    if (c.pieces < p->substeps) c.pieces = p->substeps;
+    c.first = c.backwards ? 0.0 : nearest;
+    c.size = (1.0 - nearest) / c.pieces;
+    return c;
+}
+
+/* Time after `ticks` of `size`, and its derivative by the variable. */
+static double clock_time(const struct clock *c, double ticks, double *along) {
+    double sigma = c->first + c->size * ticks, x = c->backwards ? 1.0 - sigma : sigma;
+    double lower = whole_power(x, c->root - 1);
+    *along = c->span * c->root * lower;
+    if (ticks == c->pieces) return c->time;
+    if (ticks == 0.0) return 0.0;
+    return c->backwards ? c->until - c->span * lower * x : c->span * lower * x - c->since;
+}
+
+/* One Runge-Kutta step of `move_by_clock`: J and M themselves are the states. */
+static void tick(const struct pair *p, const struct clock *c, const struct instant *from, int piece,
+                 struct instant *now, struct yield *yield) {
+    struct stages s = {.at = {*now, *now, *now, *now}};
+    struct yield sum = *yield, part;
+    struct vec impulse[4];
+    double size = c->size, ignored;
+    for (int k = 0; k < 4; k++) {
+        double t = clock_time(c, piece + node[k], &s.along[k]);
+        struct yield state = *yield;
+        if (k > 0) {
+            double share = node[k] * size * s.along[k - 1];
+            state.impulse = vec_axpy(yield->impulse, share, s.load[k - 1].force);
+            state.moment = vec_axpy(yield->moment, share, impulse[k - 1]);
+            place(p, from, t, &state, &s.at[k]);
+            s.at[k].stretch = s.at[0].stretch;
+            s.at[k].sliding = s.at[0].sliding;
+        }
+        impulse[k] = state.impulse;
+        load_stage(p, &s, k, size);
+        sum.impulse = vec_axpy(sum.impulse, weight[k] * size * s.along[k], s.load[k].force);
+        sum.moment = vec_axpy(sum.moment, weight[k] * size * s.along[k], impulse[k]);
+    }
+    double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
+    *now = s.at[0];
+    place(p, from, after, &sum, now);
+    finish_stages(p, &s, size, after - before, now, &part);
+    sum.lost += part.lost;
+    sum.rubbed += part.rubbed;
+    *yield = sum;
+}
+
+/* As move, near the begin or end of a contact whose force isn't smooth there. */
+static struct instant move_by_clock(const struct pair *p, const struct instant *from, struct nearness near, double time,
+                                    struct yield *yield) {
+    struct clock c = clock_for(p, near, time);
     struct instant now = *from;
     *yield = (struct yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    for (int piece = 0; piece < pieces; piece++) {
-        struct stages s = {.at = {now, now, now, now}};
-        struct yield sum = *yield, part;
-        struct vec impulse[4];
-        for (int k = 0; k < 4; k++) {
-            double sigma = first + size * (piece + node[k]);
-            double lower = whole_power(sigma, p->root - 1), t = span * lower * sigma - since;
-            struct yield state = {yield->impulse, yield->moment, 0.0, 0.0};
-            if (piece == pieces - 1 && k == 3) t = time;
-            s.along[k] = span * p->root * lower;
-            if (k > 0) {
-                double share = node[k] * size * s.along[k - 1];
-                state.impulse = vec_axpy(yield->impulse, share, s.load[k - 1].force);
-                state.moment = vec_axpy(yield->moment, share, impulse[k - 1]);
-                place(p, from, t, &state, &s.at[k]);
-                s.at[k].stretch = s.at[0].stretch;
-                s.at[k].sliding = s.at[0].sliding;
-            }
-            impulse[k] = state.impulse;
-            load_stage(p, &s, k, size);
-            sum.impulse = vec_axpy(sum.impulse, weight[k] * size * s.along[k], s.load[k].force);
-            sum.moment = vec_axpy(sum.moment, weight[k] * size * s.along[k], impulse[k]);
-        }
-        double after = piece == pieces - 1 ? time : span * whole_power(first + size * (piece + 1), p->root) - since;
-        place(p, from, after, &sum, &now);
-        now.stretch = s.at[0].stretch;
-        now.sliding = s.at[0].sliding;
-        finish_stages(p, &s, size, after - before, &now, &part);
-        sum.lost += part.lost;
-        sum.rubbed += part.rubbed;
-        *yield = sum;
-        before = after;
-    }
+    for (int piece = 0; piece < c.pieces; piece++) tick(p, &c, from, piece, &now, yield);
     return now;
 }
 
 /* One piece of a step, by whichever variable suits. */
-static struct instant go(const struct pair *p, const struct instant *from, double since, double time,
+static struct instant go(const struct pair *p, const struct instant *from, struct nearness near, double time,
                          struct yield *yield) {
-    return since >= 0.0 ? move_from_root(p, from, since, time, yield) : move(p, from, time, yield);
+    int smooth = near.since < 0.0 && near.until < 0.0;
+    return smooth ? move(p, from, time, yield) : move_by_clock(p, from, near, time, yield);
 }
 
 /* ---- events inside a step ---- */
@@ -278,13 +318,14 @@ static double still(const struct pair *p, enum event event, const struct instant
 
 /* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois), and
  * bisection where that is slow. `to` and `yield` are those of the whole piece and become those of the part. */
-static void shorten(const struct pair *p, enum event event, const struct instant *from, double since, double *time,
-                    struct instant *to, struct yield *yield) {
+static void shorten(const struct pair *p, enum event event, const struct instant *from, struct nearness near,
+                    double *time, struct instant *to, struct yield *yield) {
     double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to), size = at_low;
     for (int k = 0; k < TRIES && at_low > 0.0; k++) {
         double t = high - at_high * (high - low) / (at_high - at_low);
         if (k % 4 == 3) t = 0.5 * (low + high);
-        *to = go(p, from, since, t, yield);
+        if (event == ENDS && near.until >= 0.0) near.until = t; /* there is the singular point */
+        *to = go(p, from, near, t, yield);
         *time = t;
         double value = still(p, event, to);
         if (fabs(value) <= 1e-13 * size) return;
@@ -331,19 +372,19 @@ static void touch(const struct pair *p, struct instant *at, double start, struct
     double time = start, grid = (p->step - start) / p->substeps;
     for (int k = 0, turned = 0; time < p->step && k < p->substeps;) {
         struct yield part;
-        double since = since_begin(p, at, p->step - time);
-        int last = since >= 0.0 || k == p->substeps - 1;
+        struct nearness near = nearness_of(p, at, p->step - time);
+        int last = near.since >= 0.0 || near.until >= 0.0 || k == p->substeps - 1;
         double goal = last ? p->step : start + grid * (k + 1), piece = goal - time;
         if (!(piece > 0.0)) { /* the piece before went further than its own goal */
             k++;
             continue;
         }
-        struct instant to = go(p, at, since, piece, &part);
+        struct instant to = go(p, at, near, piece, &part);
         double closing = closing_of(p, at);
         /* Laws may change where approach turns into parting; where nothing moves to speak of, no force does either. */
         int turns = !turned && closing > 0.0 && closing_of(p, &to) < 0.0 && closing * piece > 1e-12 * at->overlap;
         int ends = !turns && lasting(p, &to) < 0.0;
-        if (turns || ends) shorten(p, turns ? TURNS : ENDS, at, since, &piece, &to, &part);
+        if (turns || ends) shorten(p, turns ? TURNS : ENDS, at, near, &piece, &to, &part);
         if (ends && !(lasting(p, at) > 0.0)) { /* it ends before it begins */
             fly(p, at, p->step - time, sum);
             return;

@@ -83,9 +83,7 @@ struct scree_normal_law {
     struct scree_law_text text;
     int cut;    /* force never pulls: F = max(0, F); the contact ends where F = 0 */
     int memory; /* keeps numbers of the contact */
-    /* p if the dashpot begins as the p-th root of the overlap (Tsuji's: 4), 0 if it begins smoothly or at full strength: no
-     * polynomial in time follows such a beginning, so integrators take t^(1/p) for their variable there. */
-    int root;
+    int root;   /* the dashpot sets in like this root of the overlap (4, 2); 0: like a whole power, or at once */
     /* Check what ranges can't say and compute the law's constants. `values` are within their ranges. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* `mass` effective mass m1 m2/(m1 + m2), kg; `radius` effective radius R1 R2/(R1 + R2), m. */
@@ -120,7 +118,7 @@ struct scree_tangential {
 struct scree_friction_law {
     struct scree_law_text text;
     int memory; /* keeps stretch and state */
-    int root;   /* p if the stiffness begins as the p-th root of the overlap, as for normal laws */
+    int root;   /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);

@@ -67,6 +67,7 @@ static const struct scree_normal_law scree_normal_jankowski = {
                      "sqrt(5)/2) (1-e^2)/(e (e (9 pi - 16) + 16)); calibrated = 1 takes the xi that delivers e.",
              .parameters = jankowski_parameters},
     .cut = 0,
+    .root = 4,
     .bake = normal_jankowski_bake,
     .pair = tsuji_pair,
     .force = normal_jankowski_force,

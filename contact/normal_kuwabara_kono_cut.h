@@ -29,6 +29,7 @@ static const struct scree_normal_law scree_normal_kuwabara_kono_cut = {
                      "has no closed form, and a restitution asked for is found by integration.",
              .parameters = kuwabara_parameters},
     .cut = 1,
+    .root = 2,
     .bake = normal_kuwabara_kono_cut_bake,
     .pair = kuwabara_pair,
     .force = normal_kuwabara_kono_cut_force,

@@ -36,6 +36,7 @@ static const struct scree_normal_law scree_normal_matched = {
                      "alpha/sqrt(2 (p+1)). Near the end of a contact the force pulls.",
              .parameters = matched_parameters},
     .cut = 0,
+    .root = 4,
     .bake = normal_matched_bake,
     .pair = matched_pair,
     .force = normal_matched_force,

@@ -37,6 +37,7 @@ static const struct scree_normal_law scree_normal_matched_cut = {
                      "arccos(zeta)/sqrt(1-zeta^2)), zeta = alpha/sqrt(2 (p+1)); any 0 < e <= 1 can be had.",
              .parameters = matched_parameters},
     .cut = 1,
+    .root = 4,
     .bake = normal_matched_cut_bake,
     .pair = matched_pair,
     .force = normal_matched_cut_force,

@@ -36,6 +36,7 @@ static const struct scree_normal_law scree_normal_tsuji = {
                      "Near the end of a contact the force pulls.",
              .parameters = tsuji_parameters},
     .cut = 0,
+    .root = 4,
     .bake = normal_tsuji_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_force,

@@ -39,6 +39,7 @@ static const struct scree_normal_law scree_normal_tsuji_cut = {
                  "zeta = alpha/sqrt(5); any 0 < e <= 1 can be had.",
              .parameters = tsuji_parameters},
     .cut = 1,
+    .root = 4,
     .bake = normal_tsuji_cut_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_cut_force,
