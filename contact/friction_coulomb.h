@@ -78,6 +78,7 @@ static const struct scree_friction_law scree_friction_coulomb = {
                      "to twice its resting value.",
              .parameters = coulomb_parameters},
     .memory = 1,
+    .slider = 1,
     .bake = friction_coulomb_bake,
     .force = friction_coulomb_force,
     .stored = friction_coulomb_stored,

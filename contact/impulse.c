@@ -34,6 +34,7 @@ struct pair {
     double reach;         /* largest gap that a pulling contact bridges, m */
     double step;
     int root, substeps;
+    int trial; /* friction is a slider behind a bare spring */
 };
 
 /* A contact at one instant. */
@@ -115,9 +116,10 @@ static void drag(const struct pair *p, const struct instant *from, const struct 
     sliding.stretch = from->stretch;
     sliding.sliding = from->sliding;
     sliding.half = 0.5 * time;
+    if (p->trial) sliding.normal = 1e200; /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
     struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
     to->stretch = f.stretch;
-    to->sliding = f.sliding;
+    to->sliding = p->trial ? from->sliding : f.sliding;
 }
 
 /* What the normal law remembers at the end of a piece. */
@@ -160,11 +162,8 @@ static void finish_stages(const struct pair *p, const struct stages *s, double s
     }
     remember(p, end, &last);
     if (!p->friction || !p->friction->memory || time == 0.0) return;
-    /* A spring that slides without a dashpot beside it has the stretch of the force at the end of the step; a dashpot's
-     * is reckoned from the force in the middle. */
-    double damped = p->friction->damping(p->friction_law);
     mean.velocity = vec_scale(1.0 / time, way);
-    drag(p, &s->at[0], &mean, damped > 0.0 ? s->load[2].normal : last.normal, time, end);
+    drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
 }
 
 /* One Runge-Kutta step over `time`. */
@@ -535,6 +534,7 @@ static struct pair laws_of(const struct scree_contacts *contacts, struct place a
     p.reach = p.normal->reach ? p.normal->reach(p.normal_law, p.normal_pair) : 0.0;
     p.root = p.normal->root;
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
+    p.trial = p.friction && p.friction->slider && p.friction->damping(p.friction_law) == 0.0;
     p.substeps = contacts->substeps ? contacts->substeps : p.friction ? 2 : 1;
     return p;
 }
