@@ -329,6 +329,26 @@ static void know(const struct scree_bodies *bodies, const struct scree_bodies *n
     vec_store(turn, past->known_turn);
 }
 
+/* An upper bound, with room for rounding, of the way of a body's points in the step if the accelerations of the last two
+ * steps go on or are extrapolated. */
+static double range_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, double step) {
+    const struct scree_past *past = &bodies->past[index];
+    const struct scree_record *record = &now->record[index];
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    const double *inverse = inertia->inverse_moments;
+    double spin = vec_norm(vec_from(record->w)), mass = 0.0;
+    double turn = fmax(inverse[0], fmax(inverse[1], inverse[2]));
+    if (bodies->slot[index] >= 0) turn = fmax(turn, bodies->attitude[bodies->slot[index]].inverse_hinge);
+    for (int k = 0; k < 3; k++) mass = fmax(mass, inertia->inverse_mass[k]);
+    double push = 2.0 * vec_norm(vec_from(past->f[0])) + vec_norm(vec_from(past->f[1]));
+    double twist = 2.0 * vec_norm(vec_from(past->t[0])) + vec_norm(vec_from(past->t[1]));
+    double along = vec_norm(vec_from(record->v)) + mass * push + step * vec_norm(vec_from(past->known));
+    double around = spin + turn * twist + step * (vec_norm(vec_from(past->known_turn)) + spin * spin);
+    /* A plane's turning about its normal moves no surface. */
+    double reach = bodies->shape[index].kind == SCREE_PLANE ? 0.0 : record->bound;
+    return 2.0 * step * (along + around * reach);
+}
+
 int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                            double margin, struct scree_bodies *now) {
     scree_bodies_look_now(bodies, time, now);
@@ -336,6 +356,7 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         know(bodies, now, k, step, gravity, &bodies->past[k]);
+        bodies->past[k].range = range_of(bodies, now, k, step);
         memset(bodies->past[k].moment, 0, sizeof bodies->past[k].moment);
         memset(bodies->past[k].turn_moment, 0, sizeof bodies->past[k].turn_moment);
     }

@@ -56,8 +56,8 @@ struct scree_attitude {
 struct scree_past {
     double f[2][3], t[2][3];          /* impulses (N s, N m s) of the last step and of the one before it */
     double moment[3], turn_moment[3]; /* first moments of the step's impulses about its end, N s^2 and N m s^2 */
-    double known[3],
-        known_turn[3]; /* accelerations that no contact causes: gravity, drives, gyration; m/s^2, rad/s^2 */
+    double known[3], known_turn[3];   /* accelerations that no contact causes: gravity, drives, gyration */
+    double range;                     /* bound of the way that any point of the body makes in the step, m */
 };
 
 enum scree_body_class {

@@ -116,7 +116,8 @@ static void drag(const struct pair *p, const struct instant *from, const struct 
     sliding.stretch = from->stretch;
     sliding.sliding = from->sliding;
     sliding.half = 0.5 * time;
-    if (p->trial) sliding.normal = 1e200; /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
+    if (p->trial)
+        sliding.normal = 1e200; /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
     struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
     to->stretch = f.stretch;
     to->sliding = p->trial ? from->sliding : f.sliding;
@@ -647,16 +648,43 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
     return vec_sub(gain, vec_cross(vec_cross(now.normal, normal), velocity));
 }
 
+/* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
+static int idle(const struct scree_bodies *bodies, struct place place, double overlap) {
+    const struct scree_batch *batch = place.batch;
+    const struct scree_contact *contact = &batch->contact[place.block * SCREE_LANES + place.lane];
+    if (!(overlap + bodies->past[contact->ball].range + bodies->past[contact->host].range < 0.0)) return 0;
+    for (int m = 0; m < SCREE_PAST; m++)
+        if (batch->past[place.block][m][place.lane] != 0.0) return 0;
+    for (int m = 0; batch->memory && m < SCREE_MEMORY; m++)
+        if (batch->kept[place.block][m][place.lane] != 0.0) return 0;
+    return 1;
+}
+
+static void write_nothing(struct place place) {
+    struct scree_yield *yield = &place.batch->yield[place.block];
+    struct scree_moments *moments = &place.batch->moments[place.block];
+    for (int k = 0; k < 3; k++) {
+        yield->impulse[k][place.lane] = yield->turn_ball[k][place.lane] = yield->turn_host[k][place.lane] = 0.0;
+        moments->impulse[k][place.lane] = moments->turn_ball[k][place.lane] = moments->turn_host[k][place.lane] = 0.0;
+    }
+    yield->steep[place.lane] = 0.0;
+}
+
 /* One contact through one step. */
 static void impel(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_bodies *bodies_now, struct place place, double step) {
     const struct scree_batch *batch = place.batch;
     const struct scree_contact *contact = &batch->contact[place.block * SCREE_LANES + place.lane];
-    struct view now = view_of(bodies_now, contact, batch->geometry), middle = view_of(bodies, contact, batch->geometry);
-    /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step counts. */
-    if (vec_dot(now.normal, middle.normal) < 0.9 || middle.overlap < 0.5 * SCREE_OUTSIDE) middle = now;
+    struct view now = view_of(bodies_now, contact, batch->geometry);
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     batch->yield[place.block].depth[place.lane] = now.overlap / (a->limit < b->limit ? a->limit : b->limit);
+    if (idle(bodies, place, now.overlap)) {
+        write_nothing(place);
+        return;
+    }
+    struct view middle = view_of(bodies, contact, batch->geometry);
+    /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step counts. */
+    if (vec_dot(now.normal, middle.normal) < 0.9 || middle.overlap < 0.5 * SCREE_OUTSIDE) middle = now;
     int turns = scree_contact_turns(batch, contact);
     struct side ball = side_of(bodies, bodies_now, contact->ball, now.arm, 1.0, turns);
     struct side host = side_of(bodies, bodies_now, contact->host, vec_add(now.arm, now.apart), -1.0, turns);
