@@ -7,8 +7,8 @@
 #include <string.h>
 
 /* Steps per duration of the shortest contact that step = "auto" asks for, and the share of the stability limit that
- * it never exceeds. */
-static const double steps_per_contact = 50.0, share_of_limit = 0.2;
+ * it never exceeds: of a lone pair with Verlet, of a body among twelve others with pair impulses. */
+static const double steps_per_contact = 50.0, share_of_limit = 0.2, share_of_impulse_limit = 0.5;
 static const double pi = 3.14159265358979323846;
 
 /* ---- how soft bodies are ---- */
@@ -254,8 +254,9 @@ static void find_limits(const struct scree_scene *scene, const struct species *s
 
 static double automatic_step(const struct scree_time_def *time, struct scree_step_choice *choice) {
     double step = choice->duration / steps_per_contact;
-    choice->bound_by_damping = share_of_limit * choice->limit < step;
-    if (choice->bound_by_damping) step = share_of_limit * choice->limit;
+    double share = time->integrator == SCREE_PAIR_IMPULSE ? share_of_impulse_limit : share_of_limit;
+    choice->bound_by_damping = share * choice->limit < step;
+    if (choice->bound_by_damping) step = share * choice->limit;
     if (!(step < HUGE_VAL)) step = time->divide > 0.0 ? time->divide / 100.0 : 1e-3; /* nothing can touch */
     if (time->divide > 0.0) step = time->divide / ceil(time->divide / step);
     return step;

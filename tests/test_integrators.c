@@ -389,6 +389,39 @@ static void test_notch(void) {
     }
 }
 
+/* A column that is shaken calms down at 0.9 of the step limit, and not at 4 times: the limit is that of blocks with twelve
+ * neighbours each, so columns bear up to three times as much. */
+static void test_limit(void) {
+    static const double restitution[] = {0.95, 0.85, 0.5, 0.2, 0.02}, part[] = {0.9, 4.0};
+    for (int k = 0; k < 10; k++) {
+        char text[4096], change[64];
+        double top = 0.0, fastest = 0.0;
+        int n = snprintf(text, sizeof text,
+                         "gravity = [0, 0, -0.01]\n[time]\nend = 1e4\nforce = true\nintegrator = \"pair-impulse\"\n"
+                         "[[material]]\nname = \"m\"\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+                         "normal = { law = \"linear-cut\", stiffness = 100.0, restitution = %g }\n"
+                         "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n",
+                         restitution[k / 2]);
+        for (int b = 0; b < 10; b++) {
+            top += (b ? 2.0 : 1.0) * 0.01 - (10 - b) * 1e-4;
+            n +=
+                snprintf(text + n, sizeof text - (size_t)n,
+                         "[[body]]\nname = \"%d\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 1.0\nposition = "
+                         "[0, 0, %.17g]\nvelocity = [0, 0, %g]\n",
+                         b, top, b % 2 ? 1e-4 : -1e-4);
+        }
+        scree_scene *scene = scene_from(text, NULL, 0, 1);
+        snprintf(change, sizeof change, "time.step=%.17g", part[k % 2] * scene->plan.choice.limit);
+        scree_scene_destroy(scene);
+        const char *changes[] = {change};
+        scene = scene_from(text, changes, 1, 1);
+        if (scree_scene_step(scene, 3000)) fastest = 1.0; /* stopped: spheres in each other */
+        for (int b = 0; b < 11; b++) fastest = fmax(fastest, fabs(scree_scene_body(scene, b).velocity[2]));
+        CHECK(k % 2 ? fastest > 1e-4 : fastest < 2e-5);
+        scree_scene_destroy(scene);
+    }
+}
+
 /* ---- books ---- */
 
 /* A box that falls on a corner, rolls over and slides, with a dashpot in friction: the books are sums over the stages, so they
@@ -466,6 +499,7 @@ int main(void) {
     test_oblique();
     test_stack();
     test_notch();
+    test_limit();
     test_books();
     test_same_bits();
     return check_report();
