@@ -124,11 +124,12 @@ static void drag(const struct pair *p, const struct instant *from, const struct 
 }
 
 /* What the normal law remembers at the end of a piece. */
-static void remember(const struct pair *p, struct instant *at, struct load *load) {
-    press(p, at, load);
+static void remember(const struct pair *p, struct instant *at) {
+    struct load load;
     if (!p->normal->memory) return;
-    at->first = load->first;
-    at->second = load->second;
+    press(p, at, &load);
+    at->first = load.first;
+    at->second = load.second;
 }
 
 /* The four stages of one Runge-Kutta step; `along` is dt/d(variable) at each. */
@@ -151,7 +152,6 @@ static void load_stage(const struct pair *p, struct stages *s, int k, double siz
 /* The memories at the end of a step of length `time`, whose overlap and velocity are set, and the work done in it. */
 static void finish_stages(const struct pair *p, const struct stages *s, double size, double time, struct instant *end,
                           struct yield *yield) {
-    struct load last;
     struct instant mean = s->at[2];
     struct vec way = {0.0, 0.0, 0.0};
     yield->lost = yield->rubbed = 0.0;
@@ -161,7 +161,7 @@ static void finish_stages(const struct pair *p, const struct stages *s, double s
         yield->lost += share * (s->load[k].normal - s->load[k].reversible) * closing_of(p, &s->at[k]);
         yield->rubbed += share * s->load[k].rubbing;
     }
-    remember(p, end, &last);
+    remember(p, end);
     if (!p->friction || !p->friction->memory || time == 0.0) return;
     mean.velocity = vec_scale(1.0 / time, way);
     drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
@@ -357,13 +357,12 @@ static double stored(const struct pair *p, const struct instant *at) {
 /* Free flight: what is stored in an overlap without force is lost. */
 static void fly(const struct pair *p, struct instant *at, double time, struct yield *sum) {
     struct yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    struct load load;
     double before = stored(p, at);
     struct instant from = *at;
     place(p, &from, time, &nothing, at);
     at->stretch = vec(0.0, 0.0, 0.0);
     at->sliding = 0.0;
-    remember(p, at, &load);
+    remember(p, at);
     sum->lost += before - stored(p, at);
 }
 
@@ -741,7 +740,7 @@ void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *
     for (int k = 0; k < contacts->busy_batches; k++) {
         const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
-        if (threads > 1 && blocks > 4) {
+        if (threads > 1 && blocks > 8) {
 #pragma omp parallel for schedule(static) num_threads(threads)
             for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
         } else {

@@ -461,11 +461,11 @@ static void test_books(void) {
 static void test_same_bits(void) {
     char *text = heap_text();
     static const char *const changes[] = {pair_impulse, "time.step=3.4e-5", "output={write=[\"energy.csv\"]}"};
-    static const int threads[] = {1, 2, 5, 1};
+    static const int threads[] = {1, 2, 3, 1};
     uint64_t hash[4];
     for (int k = 0; k < 4; k++) {
         scree_scene *scene = scene_from(text, changes, k == 3 ? 3 : 2, threads[k]);
-        go(scene, 2000);
+        go(scene, 1000);
         hash[k] = scree_scene_hash(scene);
         CHECK(hash[k] == hash[0]); /* 3: with measurements */
         if (k == 0) CHECK(touches(scene) > 100 && scene->contacts.rebuilds > 1);
@@ -475,12 +475,12 @@ static void test_same_bits(void) {
     scree_scene *scene = scene_from(text, changes, 2, 1), *other = scene_from(text, changes, 2, 2);
     scree_scene *verlet = scene_from(text, changes + 1, 1, 1);
     FILE *file = tmpfile();
-    go(scene, 1500);
+    go(scene, 700);
     CHECK(scree_scene_save(scene, file, "memory") == SCREE_OK);
     rewind(file);
     CHECK(scree_scene_restore(other, file, "memory") == SCREE_OK);
     CHECK(scree_scene_hash(other) == scree_scene_hash(scene));
-    go(other, 500);
+    go(other, 300);
     CHECK(scree_scene_hash(other) == hash[0]);
     rewind(file);
     CHECK(scree_scene_restore(verlet, file, "memory") == SCREE_BAD_INPUT);
