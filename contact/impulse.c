@@ -35,6 +35,7 @@ struct pair {
     double step;
     int root, substeps;
     int trial; /* friction is a slider behind a bare spring */
+    int books; /* energy is looked at */
 };
 
 /* A contact at one instant. */
@@ -49,7 +50,7 @@ struct instant {
 /* Forces at one instant. */
 struct load {
     struct vec force; /* on the ball, N */
-    double normal, reversible, damping;
+    double normal, damping;
     double rubbing; /* power lost to friction, W */
     double first, second;
 };
@@ -69,7 +70,6 @@ static void press(const struct pair *p, const struct instant *at, struct load *l
     struct scree_normal_force f = p->normal->force(p->normal_law, p->normal_pair, pressing);
     load->normal = f.elastic + f.damping * closing;
     load->damping = f.damping;
-    load->reversible = f.reversible;
     load->first = f.first;
     load->second = f.second;
     load->force = vec_scale(load->normal, p->n);
@@ -132,6 +132,13 @@ static void remember(const struct pair *p, struct instant *at) {
     at->second = load.second;
 }
 
+/* Energy in the normal direction that the contact gives back, J; only reckoned if the books are kept. */
+static double stored(const struct pair *p, const struct instant *at) {
+    if (!p->books || (at->overlap <= 0.0 && !(at->second > 0.0))) return 0.0;
+    struct scree_pressing pressing = {at->overlap, closing_of(p, at), at->first, at->second};
+    return p->normal->stored(p->normal_law, p->normal_pair, pressing);
+}
+
 /* The four stages of one Runge-Kutta step; `along` is dt/d(variable) at each. */
 struct stages {
     struct instant at[4];
@@ -158,10 +165,11 @@ static void finish_stages(const struct pair *p, const struct stages *s, double s
     for (int k = 0; k < 4; k++) {
         double share = weight[k] * size * s->along[k];
         way = vec_axpy(way, share, s->at[k].velocity);
-        yield->lost += share * (s->load[k].normal - s->load[k].reversible) * closing_of(p, &s->at[k]);
+        yield->lost += share * s->load[k].normal * closing_of(p, &s->at[k]);
         yield->rubbed += share * s->load[k].rubbing;
     }
     remember(p, end);
+    yield->lost -= stored(p, end) - stored(p, &s->at[0]); /* the work of the force that isn't there any more */
     if (!p->friction || !p->friction->memory || time == 0.0) return;
     mean.velocity = vec_scale(1.0 / time, way);
     drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
@@ -348,12 +356,6 @@ static void add(struct yield *sum, const struct yield *part, double left) {
     sum->rubbed += part->rubbed;
 }
 
-static double stored(const struct pair *p, const struct instant *at) {
-    if (at->overlap <= 0.0) return 0.0;
-    struct scree_pressing pressing = {at->overlap, closing_of(p, at), at->first, at->second};
-    return p->normal->stored(p->normal_law, p->normal_pair, pressing);
-}
-
 /* Free flight: what is stored in an overlap without force is lost. */
 static void fly(const struct pair *p, struct instant *at, double time, struct yield *sum) {
     struct yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
@@ -441,6 +443,11 @@ static struct yield act(const struct pair *p, struct instant *at) {
     else if (p->normal->cut)
         touches = touches && lasting(p, at) > 0.0;
     double start = touches ? 0.0 : begin(p, at, &sum);
+    if (start < p->step && p->normal->reach &&
+        !(at->second > 0.0)) { /* bodies that attach are bound at once; books as in loop.c */
+        struct scree_pressing attached = {0.0, 0.0, 0.0, 1.0};
+        sum.lost -= p->normal->stored(p->normal_law, p->normal_pair, attached);
+    }
     if (start < p->step)
         touch(p, at, start, &sum);
     else
@@ -535,6 +542,7 @@ static struct pair laws_of(const struct scree_contacts *contacts, struct place a
     p.root = p.normal->root;
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
     p.trial = p.friction && p.friction->slider && p.friction->damping(p.friction_law) == 0.0;
+    p.books = contacts->measured;
     p.substeps = contacts->substeps ? contacts->substeps : p.friction ? 2 : 1;
     return p;
 }
