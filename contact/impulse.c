@@ -116,8 +116,10 @@ static void drag(const struct pair *p, const struct instant *from, const struct 
     sliding.stretch = from->stretch;
     sliding.sliding = from->sliding;
     sliding.half = 0.5 * time;
-    if (p->trial)
-        sliding.normal = 1e200; /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
+    if (p->trial) { /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
+        sliding.normal = 1e200;
+        sliding.sliding = 0.0;
+    }
     struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
     to->stretch = f.stretch;
     to->sliding = p->trial ? from->sliding : f.sliding;

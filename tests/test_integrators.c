@@ -461,7 +461,8 @@ static void test_limit(void) {
 /* ---- books ---- */
 
 /* A box that falls on a corner, rolls over and slides, with a dashpot in friction: the books are sums over the stages, so they
- * close as well as the path is followed; and positions converge by second order (through several impacts, so not exactly 4). */
+ * close as well as the path is followed; and halving the step quarters the error, near enough through several impacts
+ * and many changes between sticking and sliding. */
 static void test_books(void) {
     static const char text[] =
         "gravity = [0, 0, -9.81]\n[time]\nend = 0.2\n[[material]]\nname = \"m\"\ndensity = 1000\n"
@@ -489,7 +490,7 @@ static void test_books(void) {
     double ratio = (way[1] - way[0]) / (way[2] - way[1]);
     show("box", "balance, ratio of differences", worst, ratio);
     NEAR(worst, 0.0, 1e-8); /* of 1e-2 J */
-    NEAR(log(ratio) / log(2.0), 2.0, 0.5);
+    CHECK(ratio > 3.0);
 }
 
 /* ---- same bits ---- */
