@@ -169,10 +169,12 @@ static void finish_stages(const struct pair *p, const struct stages *s, double s
         way = vec_axpy(way, share, s->at[k].velocity);
         yield->lost += share * s->load[k].normal * closing_of(p, &s->at[k]);
         yield->rubbed += share * s->load[k].rubbing;
+        if (p->trial)
+            drag(p, end, &s->at[k], 0.0, share, end); /* Runge-Kutta's sum, with the stiffness of each stage */
     }
     remember(p, end);
     yield->lost -= stored(p, end) - stored(p, &s->at[0]); /* the work of the force that isn't there any more */
-    if (!p->friction || !p->friction->memory || time == 0.0) return;
+    if (p->trial || !p->friction || !p->friction->memory || time == 0.0) return;
     mean.velocity = vec_scale(1.0 / time, way);
     drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
 }
