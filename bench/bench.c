@@ -18,14 +18,15 @@ static const char help[] =
     "  laws      time of a contact in the loop, for every contact law\n"
     "  lm        time of a least-squares solve; calls and digits on test problems; beside other solvers\n"
     "  plan      time of planning 41 operating speeds with the process model, against the clearance left\n"
+    "  precision run time against error for each integrator: impacts, sliding, a cradle, bouncing\n"
     "\n"
     "Results are CSV on standard output. `scree-bench BENCHMARK --help` tells more.\n";
 
 static const struct {
     const char *name;
     int (*run)(int count, char **words);
-} benchmarks[] = {
-    {"process", bench_process}, {"impact", bench_impact}, {"laws", bench_laws}, {"lm", bench_lm}, {"plan", bench_plan}};
+} benchmarks[] = {{"process", bench_process}, {"impact", bench_impact}, {"laws", bench_laws},
+                  {"lm", bench_lm},           {"plan", bench_plan},     {"precision", bench_precision}};
 
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
 

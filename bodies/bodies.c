@@ -57,6 +57,7 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     free(bodies->motion);
     free(bodies->moved);
     free(bodies->name);
+    free(bodies->past);
     *bodies = (struct scree_bodies){0};
 }
 
@@ -149,6 +150,12 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_d
     for (int k = 0; k < bodies->count; k++)
         if (bodies->slot[k] >= 0) set_attitude(bodies, k, &defs[k]);
     return SCREE_OK;
+}
+
+scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble) {
+    bodies->past = aligned_zeroed((size_t)bodies->count, sizeof *bodies->past);
+    if (bodies->past) return SCREE_OK;
+    return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the past of %d bodies", bodies->count);
 }
 
 scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,

@@ -52,6 +52,14 @@ struct scree_attitude {
     double inverse_hinge; /* 1/(moment about a hinge) */
 };
 
+/* What the pair-impulse method (contact/impulse.c) keeps of a body, beside its record and state. */
+struct scree_past {
+    double f[2][3], t[2][3];          /* impulses (N s, N m s) of the last step and of the one before it */
+    double moment[3], turn_moment[3]; /* first moments of the step's impulses about its end, N s^2 and N m s^2 */
+    double known[3], known_turn[3];   /* accelerations that no contact causes: gravity, drives, gyration */
+    double range;                     /* bound of the way that any point of the body makes in the step, m */
+};
+
 enum scree_body_class {
     SCREE_CLASS_FIXED,  /* never moves */
     SCREE_CLASS_BALL,   /* a free sphere: no attitude is kept */
@@ -76,6 +84,7 @@ struct scree_bodies {
     int motions;
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
     char **name;                      /* owned */
+    struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
 };
 
 /* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. Takes over `motions` motions. */
@@ -116,6 +125,26 @@ void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struc
 scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,
                                  scree_trouble *trouble);
 void scree_bodies_free_shadow(struct scree_bodies *shadow);
+
+/* ---- for the pair-impulse method ----
+ *
+ * Pairs integrate their own motion inside the step, from the state at its start, and return impulses and their first
+ * moments about the end of the step: v += g h + sum J/m, x += h v + g h^2/2 + sum M/m. Rotation likewise: a box turns for
+ * the first half of the step at the angular momentum l of its start, for the second at l + 2 M/h, which under a constant
+ * torque is that of its end; second order, and angular momentum is kept to rounding. */
+
+/* Space for what that method keeps; SCREE_NO_MEMORY. */
+scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble);
+
+/* As scree_bodies_look_ahead, and bring the shadow `now` to the start of the step. */
+int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                           double margin, struct scree_bodies *now);
+
+/* Advance by the impulses in the records and their moments, both of which then become past. */
+void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3]);
+
+/* Spin (rad/s) that an angular impulse of 1 N m s about each world axis gives a body as its attitude is; columns. */
+struct mat scree_bodies_inverse_inertia(const struct scree_bodies *bodies, int index);
 
 /* Spin in the world, rad/s, of the state at `time`. */
 struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, double time);

@@ -77,6 +77,9 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         free(batch->yield);
         free(batch->old_contact);
         free(batch->old_kept);
+        free(batch->past);
+        free(batch->old_past);
+        free(batch->moments);
     }
     free(contacts->rule);
     free(contacts->rule_of);

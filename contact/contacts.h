@@ -43,6 +43,13 @@ struct scree_yield {
     double work_tangential; /* J done against friction during the step (if measured) */
 };
 
+/* What the pair-impulse method yields beside it, and keeps of each contact: the impulses of the last two steps, N s. */
+enum { SCREE_PAST = 6 };
+
+struct scree_moments {
+    double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES]; /* N s^2, N m s^2 */
+};
+
 /* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. */
 struct scree_batch {
     enum scree_geometry geometry;
@@ -57,10 +64,15 @@ struct scree_batch {
     double (*pair)[SCREE_PAIR_COLUMNS][SCREE_LANES]; /* per block, or one if uniform */
     double (*kept)[SCREE_MEMORY][SCREE_LANES];       /* contact memory per block; NULL without */
     struct scree_yield *yield;                       /* per block */
+    /* For the pair-impulse method; NULL without it. */
+    int impulses;
+    double (*past)[SCREE_PAST][SCREE_LANES];
+    struct scree_moments *moments;
     /* The list before this one, from which memory is carried over. */
     int old_count;
     struct scree_contact *old_contact;
     double (*old_kept)[SCREE_MEMORY][SCREE_LANES];
+    double (*old_past)[SCREE_PAST][SCREE_LANES];
 };
 
 struct scree_body_pair {
@@ -89,6 +101,7 @@ struct scree_contacts {
     double skin;       /* contacts with a gap up to this are listed, m */
     long rebuilds;
 
+    int substeps;           /* of the pair-impulse method */
     int measured;           /* sum up dissipation */
     double lost_normal;     /* J dissipated in normal direction so far */
     double work_tangential; /* J done against friction and rolling resistance so far */
@@ -114,12 +127,25 @@ const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contac
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble);
 
 /* Append a contact with its memory to the list of a batch, in the list's order (for a restored state; the next list
- * carries it over). */
+ * carries it over). `kept` counts if the batch has memory, `past` if it keeps impulses. */
 scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_contact *contact, const double *kept,
-                                     scree_trouble *trouble);
+                                     const double *past, scree_trouble *trouble);
 
 /* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. */
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads);
+
+/* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one, two with
+ * friction. */
+void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps);
+
+/* Give contacts and bodies the past of a state at rest: the forces of `now` for two steps. For the start of a run. */
+void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                               const struct scree_bodies *now, double step);
+
+/* All near contacts through one step by pair impulses: `bodies` half a step ahead, `now` at its start (scree_bodies_look_both).
+ * Impulses are added into the bodies' records, moments into their past. */
+void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
+                          double step, int threads);
 
 /* A contact as measured at the instant of the records, without changing anything. Vectors in the world. */
 struct scree_touch {
@@ -153,6 +179,10 @@ static inline double scree_thickness(const struct scree_record *ball) { return b
 static inline int scree_contact_turns(const struct scree_batch *batch, const struct scree_contact *contact) {
     return batch->turns || contact->corner > 0;
 }
+
+/* Add what a block has yielded to its bodies and to the scene's sums, contact by contact. */
+void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                            const struct scree_batch *batch, int block);
 
 /* Pairs of bodies whose bounds come within `skin`, sorted by (i, j). */
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies,

@@ -122,6 +122,8 @@ struct scree_tangential {
 struct scree_friction_law {
     struct scree_law_text text;
     int memory; /* keeps stretch and state */
+    int slider; /* the stretch is that of a spring behind a slider: with half = 0 it is cut to what the slider holds */
+    int root;   /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);

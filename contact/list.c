@@ -27,6 +27,15 @@ static scree_status grow(struct scree_batch *batch, scree_trouble *trouble) {
         if (old_kept) batch->old_kept = old_kept;
         ok = ok && kept && old_kept;
     }
+    if (batch->impulses) {
+        void *past = realloc(batch->past, blocks * sizeof *batch->past);
+        if (past) batch->past = past;
+        void *old_past = realloc(batch->old_past, blocks * sizeof *batch->old_past);
+        if (old_past) batch->old_past = old_past;
+        void *moments = realloc(batch->moments, blocks * sizeof *batch->moments);
+        if (moments) batch->moments = moments;
+        ok = ok && past && old_past && moments;
+    }
     if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", capacity);
     batch->capacity = capacity;
     return SCREE_OK;
@@ -43,11 +52,13 @@ static scree_status add(struct scree_batch *batch, const struct scree_contact *c
 }
 
 scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_contact *contact, const double *kept,
-                                     scree_trouble *trouble) {
+                                     const double *past, scree_trouble *trouble) {
     int place = batch->count;
     scree_status status = add(batch, contact, trouble);
     for (int m = 0; !status && m < batch->memory; m++)
         batch->kept[place / SCREE_LANES][m][place % SCREE_LANES] = kept[m];
+    for (int m = 0; !status && batch->impulses && m < SCREE_PAST; m++)
+        batch->past[place / SCREE_LANES][m][place % SCREE_LANES] = past[m];
     return status;
 }
 
@@ -152,6 +163,9 @@ static void carry_memory_over(struct scree_batch *batch) {
         for (int m = 0; m < batch->memory; m++)
             batch->kept[k / SCREE_LANES][m][k % SCREE_LANES] =
                 same ? batch->old_kept[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
+        for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
+            batch->past[k / SCREE_LANES][m][k % SCREE_LANES] =
+                same ? batch->old_past[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
     }
 }
 
@@ -196,6 +210,9 @@ static void set_aside(struct scree_batch *batch) {
     batch->old_contact = contact;
     batch->kept = batch->old_kept;
     batch->old_kept = kept;
+    double(*past)[SCREE_PAST][SCREE_LANES] = batch->past;
+    batch->past = batch->old_past;
+    batch->old_past = past;
     batch->old_count = batch->count;
     batch->count = 0;
     batch->any_turns = 0;
@@ -224,7 +241,7 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
         struct scree_batch *batch = &contacts->batch[k];
         if (batch->count) contacts->busy[contacts->busy_batches++] = k;
         sort(batch);
-        if (batch->memory) carry_memory_over(batch);
+        if (batch->memory || batch->impulses) carry_memory_over(batch);
         set_pair_constants(contacts, bodies, batch);
     }
     for (int k = 0; k < bodies->count; k++) bodies->record[k].path = 0.0;

@@ -7,9 +7,8 @@
  * and the impulses are added to the bodies in the order of the list, whatever the number of threads. Each law makes one
  * pass from its inline function, so there are as many loops as laws, not as products of laws; choices are made per
  * batch, never per contact. */
-#include "contact/contacts.h"
-#include "contact/geometry.h"
 #include "contact/law_list.h"
+#include "contact/meet.h"
 
 /* Columns of one block of contacts. */
 struct block {
@@ -31,21 +30,6 @@ struct block {
 /* Passes run over full vectors: the count of contacts rounded up to a multiple of 4. */
 static int padded(int count) { return (count + 3) & ~3; }
 
-static inline struct scree_meeting meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                                        enum scree_geometry geometry, struct vec centre) {
-    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    struct vec origin = vec_from(host->x);
-    double radius = ball->radius;
-    if (geometry == SCREE_BALL_BALL) return scree_meet_ball(centre, radius, origin, host->radius);
-    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[contact->host]];
-    if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
-    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
-    if (geometry == SCREE_BALL_RECTANGLE)
-        return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
-                                    scree_thickness(ball));
-    return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
-}
-
 static inline void put(double column[3][SCREE_LANES], int lane, struct vec a) {
     column[0][lane] = a.x;
     column[1][lane] = a.y;
@@ -62,7 +46,7 @@ static inline void gather_one(const struct scree_bodies *bodies, const struct sc
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     struct vec corner = vec_from(bodies->corner[contact->corner]);
     struct vec centre = vec_add(vec_from(ball->x), corner);
-    struct scree_meeting m = meet(bodies, contact, geometry, centre);
+    struct scree_meeting m = scree_meet(bodies, contact, geometry, centre);
     /* Both bodies are acted on at one point, the middle of the overlap, so that angular momentum is kept. */
     struct vec arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal);
     struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
@@ -158,16 +142,6 @@ static inline double snap_energy(double (*stored)(const struct scree_law_constan
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
 
-/* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. The
- * threshold keeps rounding from doing anything where the normal stands still. */
-static inline struct vec into_tangent_plane(struct vec stretch, struct vec normal) {
-    double along = vec_dot(stretch, normal), before = vec_norm2(stretch);
-    struct vec flat = vec_axpy(stretch, -along, normal);
-    double after = vec_norm2(flat);
-    double scale = along * along > 1e-24 * before && after > 0.0 ? sqrt(before / after) : 1.0;
-    return vec_scale(scale, flat);
-}
-
 /* One pass per friction law. The memory belongs to the ends of steps, the velocity to their middle. */
 #define FRICTION_PASS(word)                                                                                            \
     static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
@@ -182,7 +156,7 @@ static inline struct vec into_tangent_plane(struct vec stretch, struct vec norma
             struct scree_sliding at = {                                                                                \
                 .normal = normal, .overlap = b->overlap[k], .half = half, .velocity = get(b->slip, k)};                \
             if (scree_friction_##word.memory) {                                                                        \
-                at.stretch = into_tangent_plane(get(kept, k), get(b->n, k));                                           \
+                at.stretch = scree_into_tangent_plane(get(kept, k), get(b->n, k));                                     \
                 at.sliding = kept[3][k];                                                                               \
             }                                                                                                          \
             struct scree_tangential f = friction_##word##_force(&constants, of_pair, at);                              \
@@ -236,7 +210,7 @@ typedef void rolling_pass(const struct block *b, struct turning *t, int count, c
             struct scree_sliding twisting = rolling;                                                                   \
             twisting.velocity = vec(t->twisting[k], 0.0, 0.0);                                                         \
             if (scree_rolling_##word.memory) {                                                                         \
-                rolling.stretch = into_tangent_plane(get(own, k), n);                                                  \
+                rolling.stretch = scree_into_tangent_plane(get(own, k), n);                                            \
                 rolling.sliding = own[3][k];                                                                           \
                 twisting.stretch = vec(own[4][k], 0.0, 0.0);                                                           \
                 twisting.sliding = own[5][k];                                                                          \
@@ -374,8 +348,8 @@ static inline void note(double value, const struct scree_contact *contact, doubl
     *host = contact->host;
 }
 
-static void collect(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
-                    int block) {
+void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                            const struct scree_batch *batch, int block) {
     const struct scree_contact *contact = batch->contact + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
@@ -406,7 +380,7 @@ void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bo
         const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
         act_blocks(contacts, bodies, batch, blocks, step, threads);
-        for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
+        for (int block = 0; block < blocks; block++) scree_contacts_collect(contacts, bodies, batch, block);
     }
 }
 
@@ -418,7 +392,7 @@ static void measure_friction(const struct scree_rule *rule, struct scree_pair_co
                                .overlap = touch->overlap,
                                .velocity = touch->slip};
     if (friction->memory) {
-        at.stretch = into_tangent_plane(get(kept, lane), touch->normal);
+        at.stretch = scree_into_tangent_plane(get(kept, lane), touch->normal);
         at.sliding = kept[3][lane];
     }
     struct scree_tangential t = friction->force(&rule->friction_constants, pair, at);
@@ -441,7 +415,7 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
     struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
                                .overlap = touch->overlap,
                                .velocity = vec_axpy(velocity, -along, n)};
-    at.stretch = into_tangent_plane(vec_from(kept), n);
+    at.stretch = scree_into_tangent_plane(vec_from(kept), n);
     at.sliding = kept[3];
     struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], at);
     at.velocity = vec(along, 0.0, 0.0);

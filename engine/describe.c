@@ -114,6 +114,12 @@ static void describe_near(const scree_scene *scene, FILE *file) {
 
 static void describe_step(const scree_scene *scene, FILE *file) {
     const struct scree_step_choice *choice = &scene->plan.choice;
+    if (scene->time.integrator == SCREE_PAIR_IMPULSE)
+        fprintf(file, "integrator: pair-impulse, %d substep%s of a contact in a step, with friction %d\n",
+                scene->time.substeps ? scene->time.substeps : 1, scene->time.substeps > 1 ? "s" : "",
+                scene->time.substeps ? scene->time.substeps : 2);
+    else
+        fprintf(file, "integrator: verlet\n");
     fprintf(file, "step: %.9g s, %s\n", choice->step, choice->automatic ? "automatic" : "as given");
     if (choice->shortest_pair[0] < 0) {
         fprintf(file, "  nothing can touch\n");
@@ -127,8 +133,11 @@ static void describe_step(const scree_scene *scene, FILE *file) {
             choice->step > choice->limit ? "  (FORCED BEYOND IT)" : "");
     if (choice->automatic)
         fprintf(file, "  rule: 1/50 of the shortest contact%s\n",
-                choice->bound_by_damping ? ", here cut to 1/5 of the stability limit because of damping or friction"
-                                         : "");
+                choice->bound_by_damping
+                    ? scene->time.integrator == SCREE_PAIR_IMPULSE
+                          ? ", here cut to 1/2 of the stability limit because of damping or friction"
+                          : ", here cut to 1/5 of the stability limit because of damping or friction"
+                    : "");
     if (choice->automatic && scene->time.divide > 0.0)
         fprintf(file, "  lowered so that %.9g s (between rows, or of the whole run) is a whole number of steps: %.0f\n",
                 scene->time.divide, scene->time.divide / choice->step);
@@ -149,8 +158,10 @@ static void describe_stages(const scree_scene *scene, FILE *file) {
         rolling += rule->rolling >= 0;
         regularised += law && law->slope(&rule->friction_constants) > 0.0;
     }
-    fprintf(file, "runs each step: look ahead, gather, normal law%s%s%s, impulses, advance%s\n",
-            friction ? ", friction law" : "", memory ? " with memory" : "", rolling ? ", rolling law" : "",
+    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
+    fprintf(file, "runs each step: look ahead, %s, normal law%s%s%s, impulses%s, advance%s\n",
+            impulses ? "look now, gather both, inside each contact" : "gather", friction ? ", friction law" : "",
+            memory ? " with memory" : "", rolling ? ", rolling law" : "", impulses ? " and moments" : "",
             scene->time.energy ? ", energy books" : "");
     fprintf(file, "skipped:\n  search for contacts, until a body has moved %.3g m\n", 0.5 * contacts->skin);
     if (frictionless)

@@ -164,6 +164,22 @@ static uint64_t hash_memory(uint64_t hash, const struct scree_batch *batch) {
     return hash;
 }
 
+/* The impulses that pair impulses look back on. */
+static uint64_t hash_past(uint64_t hash, const struct scree_batch *batch) {
+    for (int k = 0; batch->impulses && k < batch->count; k++) {
+        double past[SCREE_PAST];
+        int something = 0;
+        for (int m = 0; m < SCREE_PAST; m++) {
+            past[m] = batch->past[k / SCREE_LANES][m][k % SCREE_LANES];
+            something |= past[m] != 0.0;
+        }
+        if (!something) continue;
+        hash = scree_hash_on(hash, &batch->contact[k], sizeof batch->contact[k]);
+        hash = scree_hash_on(hash, past, sizeof past);
+    }
+    return hash;
+}
+
 uint64_t scree_scene_hash(const scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     uint64_t hash = scree_hash_start, steps = (uint64_t)scene->steps;
@@ -172,7 +188,13 @@ uint64_t scree_scene_hash(const scree_scene *scene) {
         hash = scree_hash_on(hash, &bodies->state[k], sizeof bodies->state[k]);
         if (bodies->slot[k] >= 0)
             hash = scree_hash_on(hash, bodies->attitude[bodies->slot[k]].q, sizeof bodies->attitude[0].q);
+        if (!bodies->past) continue;
+        hash = scree_hash_on(hash, bodies->past[k].f, sizeof bodies->past[k].f);
+        hash = scree_hash_on(hash, bodies->past[k].t, sizeof bodies->past[k].t);
     }
-    for (int b = 0; b < scene->contacts.batches; b++) hash = hash_memory(hash, &scene->contacts.batch[b]);
+    for (int b = 0; b < scene->contacts.batches; b++) {
+        hash = hash_memory(hash, &scene->contacts.batch[b]);
+        hash = hash_past(hash, &scene->contacts.batch[b]);
+    }
     return hash;
 }

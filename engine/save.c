@@ -15,7 +15,7 @@ static const uint64_t byte_order_mark = 0x0102030405060708u;
 struct memory {
     struct scree_contact contact;
     int batch;
-    double kept[SCREE_MEMORY];
+    double kept[SCREE_MEMORY], past[SCREE_PAST];
 };
 
 /* The scene's scalars that change while it runs. */
@@ -148,6 +148,10 @@ static uint64_t print_gravity(const scree_scene *scene) {
     return hash;
 }
 
+static uint64_t print_integrator(const scree_scene *scene) {
+    return (uint64_t)scene->time.integrator + ((uint64_t)scene->time.substeps << 8);
+}
+
 static struct prints prints_of(const scree_scene *scene) {
     struct prints prints = {{0}};
     prints.of[PRINT_BODIES] = print_bodies(scene);
@@ -155,7 +159,7 @@ static struct prints prints_of(const scree_scene *scene) {
     prints.of[PRINT_CONTACTS] = print_contacts(scene);
     prints.of[PRINT_MOTIONS] = print_motions(scene);
     prints.of[PRINT_GRAVITY] = print_gravity(scene);
-    prints.of[PRINT_INTEGRATOR] = (uint64_t)scene->time.integrator;
+    prints.of[PRINT_INTEGRATOR] = print_integrator(scene);
     return prints;
 }
 
@@ -179,22 +183,26 @@ static scree_status compare(scree_scene *scene, const struct prints *stored, dou
 
 /* ---- contact memory as a list ---- */
 
+static int remembers(const struct scree_batch *batch) { return batch->memory || batch->impulses; }
+
 static long count_memories(const scree_scene *scene) {
     long count = 0;
     for (int b = 0; b < scene->contacts.batches; b++)
-        if (scene->contacts.batch[b].memory) count += scene->contacts.batch[b].count;
+        if (remembers(&scene->contacts.batch[b])) count += scene->contacts.batch[b].count;
     return count;
 }
 
 static void put_memories(struct stream *s, const scree_scene *scene) {
     for (int b = 0; b < scene->contacts.batches; b++) {
         const struct scree_batch *batch = &scene->contacts.batch[b];
-        for (int k = 0; batch->memory && k < batch->count; k++) {
+        for (int k = 0; remembers(batch) && k < batch->count; k++) {
             struct memory memory;
             memset(&memory, 0, sizeof memory);
             memory.contact = batch->contact[k];
             memory.batch = b;
             for (int m = 0; m < batch->memory; m++) memory.kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
+            for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
+                memory.past[m] = batch->past[k / SCREE_LANES][m][k % SCREE_LANES];
             put(s, &memory, sizeof memory);
         }
     }
@@ -206,7 +214,7 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
     for (int b = 0; b < contacts->batches; b++) contacts->batch[b].count = 0;
     for (long n = 0; n < count; n++) {
         scree_status status = scree_contacts_remember(&contacts->batch[memory[n].batch], &memory[n].contact,
-                                                      memory[n].kept, &scene->trouble);
+                                                      memory[n].kept, memory[n].past, &scene->trouble);
         if (status) return status;
     }
     return scree_contacts_list(contacts, &scene->bodies, &scene->trouble);
@@ -214,10 +222,11 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
 
 /* ---- the whole ---- */
 
-/* A body's part: the impulses of the last step are state too, since velocities are predicted from them. */
+/* A body's part: the impulses of the last step are state too, since velocities are predicted from them; pair impulses look back
+ * by two. */
 struct body_part {
     struct scree_state state;
-    double q[4], f[3], t[3];
+    double q[4], f[3], t[3], past_f[2][3], past_t[2][3];
 };
 
 static struct body_part body_part(const struct scree_bodies *bodies, int k) {
@@ -225,6 +234,9 @@ static struct body_part body_part(const struct scree_bodies *bodies, int k) {
     if (bodies->slot[k] >= 0) memcpy(part.q, bodies->attitude[bodies->slot[k]].q, sizeof part.q);
     memcpy(part.f, bodies->record[k].f, sizeof part.f);
     memcpy(part.t, bodies->record[k].t, sizeof part.t);
+    if (!bodies->past) return part;
+    memcpy(part.past_f, bodies->past[k].f, sizeof part.past_f);
+    memcpy(part.past_t, bodies->past[k].t, sizeof part.past_t);
     return part;
 }
 
@@ -313,6 +325,9 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
     for (int k = 0; k < bodies->count; k++) {
         memcpy(bodies->record[k].f, part[k].f, sizeof part[k].f);
         memcpy(bodies->record[k].t, part[k].t, sizeof part[k].t);
+        if (!bodies->past) continue;
+        memcpy(bodies->past[k].f, part[k].past_f, sizeof part[k].past_f);
+        memcpy(bodies->past[k].t, part[k].past_t, sizeof part[k].past_t);
     }
     scene->books_begun = scene->time.energy && !scalars->energy;
     if (!status && scene->books_begun) status = begin_books(scene);
@@ -328,7 +343,7 @@ static scree_status read_rest(scree_scene *scene, struct stream *s, const char *
     for (long k = 0; k < memories && !s->failed; k++) {
         get(s, &memory[k], sizeof memory[k]);
         if (memory[k].batch < 0 || memory[k].batch >= scene->contacts.batches ||
-            !scene->contacts.batch[memory[k].batch].memory)
+            !remembers(&scene->contacts.batch[memory[k].batch]))
             s->failed = 1;
     }
     uint64_t hash = s->hash, stored = 0;

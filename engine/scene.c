@@ -306,9 +306,13 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
                                 "%s must be a positive number, got %g", numbers[k].field, numbers[k].value);
-    if (def->integrator != SCREE_VERLET)
+    if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
                             (int)def->integrator);
+    if (def->substeps < 0 || def->substeps > 64 || (def->substeps && def->integrator != SCREE_PAIR_IMPULSE))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "substeps",
+                            "substeps must be 1 to 64 and belong to the integrator pair-impulse, got %d",
+                            def->substeps);
     if (def->threads < 0 || def->threads > 1024)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
                             def->threads);

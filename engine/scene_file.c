@@ -514,8 +514,8 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
 }
 
 static void read_time(struct scree_reader *r) {
-    static const char *const keys[] = {"end", "step", "integrator", "speed", "force", "threads", NULL};
-    static const char *const integrators[] = {"verlet", NULL};
+    static const char *const keys[] = {"end", "step", "integrator", "substeps", "speed", "force", "threads", NULL};
+    static const char *const integrators[] = {"verlet", "pair-impulse", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {
         scree_complain(r, NULL, "the scene needs a table [time] with its end (s)");
@@ -539,6 +539,13 @@ static void read_time(struct scree_reader *r) {
         if (!(def.step > 0.0)) scree_complain(r, step, "step must be > 0 s (or \"auto\"), got %g", def.step);
     }
     if (integrator) def.integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
+    const struct scree_toml *substeps = scree_toml_get(table, "substeps");
+    double pieces = substeps ? scree_read_number(r, table, "substeps", 0.0) : 0.0;
+    if (substeps && def.integrator != SCREE_PAIR_IMPULSE)
+        scree_complain(r, substeps, "substeps goes with integrator = \"pair-impulse\"; it would be without effect");
+    if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
+        scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
+    def.substeps = r->status ? 0 : (int)pieces;
     double threads = scree_read_number(r, table, "threads", 1.0);
     if (!(threads >= 1.0 && threads <= 1024.0 && threads == floor(threads)))
         scree_complain(r, scree_toml_get(table, "threads"), "threads must be a whole number, 1 to 1024");

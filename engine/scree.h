@@ -37,7 +37,9 @@ typedef struct scree_gravity_def {
 } scree_gravity_def;
 
 typedef enum scree_integrator {
-    SCREE_VERLET = 0 /* position Verlet with predicted velocities; second order except where a contact begins or ends */
+    SCREE_VERLET = 0,   /* position Verlet with predicted velocities; second order */
+    SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more digits
+                           from the same step for damped contacts, at several times the cost; second order */
 } scree_integrator;
 
 typedef struct scree_time_def {
@@ -45,6 +47,7 @@ typedef struct scree_time_def {
                      `divide` is a whole number of steps */
     double divide; /* s; 0: no such wish */
     scree_integrator integrator;
+    int substeps; /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
     double speed; /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     int force;    /* accept a step beyond the stability limit */
     int threads;  /* 0: 1 */

@@ -77,7 +77,24 @@ static void book_drives(scree_scene *scene, double time) {
     }
 }
 
+/* As below, by pair impulses. */
+static scree_status step_by_impulses(scree_scene *scene) {
+    struct scree_bodies *bodies = &scene->bodies;
+    double time = scree_scene_time(scene), step = scene->step, gravity[3];
+    scree_gravity_at(scene, time + 0.5 * step, gravity);
+    if (scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow)) {
+        scree_status status = renew_list(scene);
+        if (status) return status;
+    }
+    scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, scene->time.threads);
+    if (scene->time.energy) book_drives(scene, time);
+    scree_bodies_advance_by_moments(bodies, time, step, gravity);
+    scene->steps++;
+    return check_depth(scene);
+}
+
 static scree_status step_once(scree_scene *scene) {
+    if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step, gravity[3];
     scree_gravity_at(scene, time + 0.5 * step, gravity);

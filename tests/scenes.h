@@ -47,4 +47,31 @@ static inline scree_body_state state_of(const scree_scene *scene, const char *na
     return scree_scene_body(scene, scree_scene_find_body(scene, name));
 }
 
+/* 1500 spheres and some boxes falling into a heap: enough for teams of threads. To be freed. */
+static inline char *heap_text(void) {
+    enum { COUNT = 1500 };
+    char *text = malloc(COUNT * 256 + 4096);
+    int used =
+        sprintf(text, "%s",
+                "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 2e-5\n"
+                "[[material]]\nname = \"ball\"\ndensity = 2000\n[[material]]\nname = \"wall\"\n"
+                "[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
+                "normal = { law = \"linear-cut\", stiffness = 5e3, restitution = 0.6 }\n"
+                "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 4e3 }\n"
+                "[[contact]]\nbetween = [\"ball\", \"wall\"]\n"
+                "normal = { law = \"linear-loading\", stiffness = 5e3, restitution = 0.6 }\n"
+                "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 4e3 }\n"
+                "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n");
+    uint64_t seed = 5;
+    for (int k = 0; k < COUNT; k++) {
+        double x = 0.0115 * (k % 12), y = 0.0115 * (k / 12 % 12), z = 0.006 + 0.0115 * (k / 144);
+        used +=
+            sprintf(text + used,
+                    "[[body]]\nname = \"b%d\"\nmaterial = \"ball\"\nshape = { %s }\nposition = [%.17g, %.17g, %.17g]\n",
+                    k, k % 50 ? "sphere = 0.005" : "box = [0.006, 0.007, 0.008], rounding = 0.001",
+                    x + check_between(&seed, -5e-4, 5e-4), y + check_between(&seed, -5e-4, 5e-4), z);
+    }
+    return text;
+}
+
 #endif

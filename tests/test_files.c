@@ -290,6 +290,8 @@ static void test_scene_errors(void) {
         {5, "step = 1", "s.toml:5:8:", "beyond the stability limit of the stiffest contact"},
         {5, "step = 0", "s.toml:5:8:", "step must be > 0"},
         {5, "step = \"big\"", "s.toml:5:8:", "or \"auto\""},
+        {5, "integrator = \"pair-impuls\"", "s.toml:5:14:", "did you mean \"pair-impulse\"?"},
+        {5, "substeps = 2", "s.toml:5:12:", "without effect"},
         {5, "integrator = \"verlett\"", "s.toml:5:14:", "did you mean \"verlet\"?"},
         {7, "name = \"\"", "s.toml:7:8:", "needs a name"},
         {8, "density = -5", "s.toml:8:11:", "positive number in kg/m^3"},

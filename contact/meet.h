@@ -1,0 +1,34 @@
+/* What every way of stepping a contact needs: where its ball meets its partner, and how a stretch follows the normal. */
+#ifndef SCREE_CONTACT_MEET_H
+#define SCREE_CONTACT_MEET_H
+
+#include "contact/contacts.h"
+#include "contact/geometry.h"
+
+/* Normal and overlap of a contact whose ball's centre is at `centre`. */
+static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                              enum scree_geometry geometry, struct vec centre) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    struct vec origin = vec_from(host->x);
+    double radius = ball->radius;
+    if (geometry == SCREE_BALL_BALL) return scree_meet_ball(centre, radius, origin, host->radius);
+    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[contact->host]];
+    if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
+    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
+    if (geometry == SCREE_BALL_RECTANGLE)
+        return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
+                                    scree_thickness(ball));
+    return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
+}
+
+/* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. The
+ * threshold keeps rounding from doing anything where the normal stands still. */
+static inline struct vec scree_into_tangent_plane(struct vec stretch, struct vec normal) {
+    double along = vec_dot(stretch, normal), before = vec_norm2(stretch);
+    struct vec flat = vec_axpy(stretch, -along, normal);
+    double after = vec_norm2(flat);
+    double scale = along * along > 1e-24 * before && after > 0.0 ? sqrt(before / after) : 1.0;
+    return vec_scale(scale, flat);
+}
+
+#endif
