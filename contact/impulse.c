@@ -1,6 +1,6 @@
 /* The pair-impulse method: every contact integrates the motion of its own two bodies against each other over the step, from
  * the state at its start, and returns the impulse J = int F dt and its first moment M = int (h - t) F dt about the end of the
- * step; the bodies gather J and M and move by them (scree_bodies_advance_by_moments). Inside the step
+ * step; the bodies gather J and M and move by them (bodies/moments.c). Inside the step
  *
  *   d' = u,  w' = a + W F(d, w)
  *

@@ -348,8 +348,8 @@ static inline void note(double value, const struct scree_contact *contact, doubl
     *host = contact->host;
 }
 
-void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
-                            const struct scree_batch *batch, int block) {
+static inline void collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                           const struct scree_batch *batch, int block) {
     const struct scree_contact *contact = batch->contact + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
@@ -362,6 +362,11 @@ void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies
         contacts->lost_normal += yield->lost_normal;
         contacts->work_tangential += yield->work_tangential;
     }
+}
+
+void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                            const struct scree_batch *batch, int block) {
+    collect(contacts, bodies, batch, block);
 }
 
 /* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
@@ -380,7 +385,7 @@ void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bo
         const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
         act_blocks(contacts, bodies, batch, blocks, step, threads);
-        for (int block = 0; block < blocks; block++) scree_contacts_collect(contacts, bodies, batch, block);
+        for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
     }
 }
 

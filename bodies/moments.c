@@ -1,0 +1,133 @@
+/* How bodies move by impulses and their first moments, and what pairs have to know of them beforehand: the bodies' part of the
+ * pair-impulse method. */
+#include "bodies/turning.h"
+
+#include <string.h>
+
+static void settle_past(struct scree_past *past, const struct scree_record *record) {
+    memcpy(past->f[1], past->f[0], sizeof past->f[0]);
+    memcpy(past->t[1], past->t[0], sizeof past->t[0]);
+    memcpy(past->f[0], record->f, sizeof past->f[0]);
+    memcpy(past->t[0], record->t, sizeof past->t[0]);
+}
+
+/* One free coordinate, from where it is at mid-step by its velocity at the start. */
+static inline void advance_along(int k, const struct scree_record *record, const struct scree_past *past,
+                                 struct scree_state *state, const struct scree_inertia *inertia, double step,
+                                 const double gravity[3]) {
+    double before = state->v[k], inverse_mass = inertia->inverse_mass[k];
+    state->v[k] = settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
+    state->x[k] =
+        record->x[k] + (0.5 * step * before + (inverse_mass * past->moment[k] + 0.5 * step * step * gravity[k]));
+}
+
+static void turn_by_moments(struct scree_bodies *bodies, int index, double step) {
+    const scree_joint *joint = &bodies->joint[index];
+    if (joint->turn == SCREE_FIXED) return;
+    struct scree_state *state = &bodies->state[index];
+    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    double angle = joint->turn == SCREE_DRIVEN ? bodies->moved[joint->turn_motion].position : 0.0;
+    struct vec second = vec_axpy(vec_from(state->l), 2.0 / step, vec_from(bodies->past[index].turn_moment));
+    struct quat q = rotate(attitude, &bodies->inertia[index], joint, attitude->ahead, &attitude->frame, second,
+                           0.5 * step, 1, angle);
+    for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
+        state->l[k] = settle(state->l[k] + bodies->record[index].t[k]);
+    quat_store(q, attitude->q);
+}
+
+void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
+    drive_to(bodies, time + step);
+    for (int index = 0; index < bodies->count; index++) {
+        const struct scree_record *record = &bodies->record[index];
+        struct scree_past *past = &bodies->past[index];
+        struct scree_state *state = &bodies->state[index];
+        const scree_joint *joint = &bodies->joint[index];
+        if (bodies->class[index] == SCREE_CLASS_FIXED) continue;
+        for (int k = 0; k < 3; k++) {
+            if (joint->along[k] == SCREE_DRIVEN) {
+                state->x[k] = bodies->origin[index][k] + bodies->moved[joint->along_motion[k]].position;
+                state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
+            } else if (joint->along[k] == SCREE_FREE) {
+                advance_along(k, record, past, state, &bodies->inertia[index], step, gravity);
+            }
+        }
+        if (bodies->class[index] == SCREE_CLASS_GENERAL)
+            turn_by_moments(bodies, index, step);
+        else
+            for (int k = 0; k < 3; k++) state->l[k] = settle(state->l[k] + record->t[k]);
+        settle_past(past, record);
+    }
+}
+
+/* Accelerations in the coming step that no contact causes; motions are at its end, `now` at its start. */
+static void know(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, double step,
+                 const double gravity[3], struct scree_past *past) {
+    const scree_joint *joint = &bodies->joint[index];
+    const struct scree_record *record = &now->record[index];
+    for (int k = 0; k < 3; k++) {
+        if (joint->along[k] == SCREE_FREE) past->known[k] = gravity[k];
+        if (joint->along[k] == SCREE_DRIVEN)
+            past->known[k] = (bodies->moved[joint->along_motion[k]].velocity - record->v[k]) / step;
+    }
+    if (bodies->slot[index] < 0 || joint->turn == SCREE_FIXED) return;
+    const struct scree_attitude *attitude = &now->attitude[now->slot[index]];
+    struct vec spin = vec_from(record->w), turn = {0.0, 0.0, 0.0};
+    if (joint->turn == SCREE_DRIVEN) {
+        struct vec later = vec_scale(bodies->moved[joint->turn_motion].velocity, vec_from(attitude->axis));
+        turn = vec_scale(1.0 / step, vec_sub(later, spin));
+    } else if (attitude->inverse_hinge == 0.0) { /* Euler's equations */
+        struct mat inverse = scree_bodies_inverse_inertia(now, index);
+        turn = mat_apply(&inverse, vec_cross(vec_from(bodies->state[index].l), spin));
+    }
+    vec_store(turn, past->known_turn);
+}
+
+/* An upper bound, with room for rounding, of the way of a body's points in the step if the accelerations of the last two
+ * steps go on or are extrapolated. */
+static double range_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, double step) {
+    const struct scree_past *past = &bodies->past[index];
+    const struct scree_record *record = &now->record[index];
+    const struct scree_inertia *inertia = &bodies->inertia[index];
+    const double *inverse = inertia->inverse_moments;
+    double spin = vec_norm(vec_from(record->w)), mass = 0.0;
+    double turn = fmax(inverse[0], fmax(inverse[1], inverse[2]));
+    if (bodies->slot[index] >= 0) turn = fmax(turn, bodies->attitude[bodies->slot[index]].inverse_hinge);
+    for (int k = 0; k < 3; k++) mass = fmax(mass, inertia->inverse_mass[k]);
+    double push = 2.0 * vec_norm(vec_from(past->f[0])) + vec_norm(vec_from(past->f[1]));
+    double twist = 2.0 * vec_norm(vec_from(past->t[0])) + vec_norm(vec_from(past->t[1]));
+    double along = vec_norm(vec_from(record->v)) + mass * push + step * vec_norm(vec_from(past->known));
+    double around = spin + turn * twist + step * (vec_norm(vec_from(past->known_turn)) + spin * spin);
+    /* A plane's turning about its normal moves no surface. */
+    double reach = bodies->shape[index].kind == SCREE_PLANE ? 0.0 : record->bound;
+    return 2.0 * step * (along + around * reach);
+}
+
+int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                           double margin, struct scree_bodies *now) {
+    scree_bodies_look_now(bodies, time, now);
+    drive_to(bodies, time + step);
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
+        know(bodies, now, k, step, gravity, &bodies->past[k]);
+        bodies->past[k].range = range_of(bodies, now, k, step);
+        memset(bodies->past[k].moment, 0, sizeof bodies->past[k].moment);
+        memset(bodies->past[k].turn_moment, 0, sizeof bodies->past[k].turn_moment);
+    }
+    return scree_bodies_look_ahead(bodies, time, step, gravity, margin);
+}
+
+struct mat scree_bodies_inverse_inertia(const struct scree_bodies *bodies, int index) {
+    const double *inverse = bodies->inertia[index].inverse_moments;
+    struct mat m = {{{inverse[0], 0.0, 0.0}, {0.0, inverse[0], 0.0}, {0.0, 0.0, inverse[0]}}};
+    if (bodies->slot[index] < 0) return m;
+    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    struct vec axis = vec_from(attitude->axis);
+    for (int k = 0; k < 3; k++) {
+        struct vec unit = vec(k == 0, k == 1, k == 2);
+        if (attitude->inverse_hinge != 0.0)
+            m.column[k] = vec_scale(attitude->inverse_hinge * vec_dot(axis, unit), axis);
+        else
+            m.column[k] = mat_apply(&attitude->frame, vec_times(vec_from(inverse), mat_undo(&attitude->frame, unit)));
+    }
+    return m;
+}
