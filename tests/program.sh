@@ -45,6 +45,40 @@ check 'one law' 0 'restitution e wanted' "$scree" laws linear
 check 'no such law' 2 'did you mean "hunt-crossley"?' "$scree" laws hunt-crosley
 for law in $("$scree" laws | sed -n 's/^  \([a-z0-9-]*\) .*/\1/p'); do check "laws $law" 0 'source:' "$scree" laws "$law"; done
 
+# Steps that are stable but too coarse: told at the end.
+coarse() { # coarse STEP: an elastic impact, 0.0017 s long
+    cat >"$work/coarse.toml" <<END
+[time]
+end = 0.01
+step = $1
+[output]
+write = ["energy.csv"]
+every = 1e-3
+[[material]]
+name = "m"
+[[contact]]
+between = ["m", "m"]
+normal = { law = "linear", stiffness = 1e5, damping = 0.0 }
+[[body]]
+name = "floor"
+shape = { plane = true }
+material = "m"
+joint = "fixed"
+[[body]]
+name = "ball"
+shape = { sphere = 0.01 }
+material = "m"
+mass = 0.03
+position = [0, 0, 0.0112]
+velocity = [0, 0, -1]
+END
+}
+coarse 1e-3
+check 'coarse step: books' 0 'the energy books lack' "$scree" run "$work/coarse.toml" -o "$work/coarse"
+check 'coarse step' 0 'more than a tenth of the shortest contact' "$scree" run "$work/coarse.toml" -o "$work/coarse"
+coarse 1e-4
+expect 'fine step: no warning' test -z "$("$scree" run "$work/coarse.toml" --quiet -o "$work/coarse" 2>&1)"
+
 # Two bodies meet. The rule of a rigid body that slides: e_t = 1 - mu (1 + e) = 0.81 at 45 degrees.
 slides='ramp kinetic=0.1 threshold=1e-6'
 check 'impact: a row' 0 'tsuji-cut,none,1,0,0,0,0.9' "$scree" impact --law 'tsuji-cut modulus=1e8 restitution=0.9'

@@ -576,13 +576,14 @@ static void test_plan(void) {
     scree_scene_destroy(scene);
 }
 
-/* A ball on a spring: stable just below the limit, unstable just above. */
+/* A ball on a spring: its largest swing after 1000 steps of `factor` times the limit; 0: the automatic step. */
 static double swing_at(double factor, double damping, int *refused) {
     char text[2048], change[64], dashpot[64];
     snprintf(text, sizeof text, "%snormal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }\n", impact_head);
     double c = damping * sqrt(1e5 * 0.03), limit = 2.0 * sqrt(0.03 / 1e5) * (sqrt(1.0 + damping * damping) - damping);
     snprintf(dashpot, sizeof dashpot, "contact.0.normal.damping=%.17g", c);
     snprintf(change, sizeof change, "time.step=%.17g", factor * limit);
+    if (factor == 0.0) strcpy(change, "time.step=\"auto\"");
     /* Deep in the plane, so that the contact never opens. */
     const char *changes[] = {dashpot,
                              change,
@@ -611,15 +612,64 @@ static double swing_at(double factor, double damping, int *refused) {
     return largest;
 }
 
+/* Stable 2 % below the limit, unstable 2 % above, where the swing grows or falls by at least 0.5 % a step: by e^5 and more in 1000
+ * steps, from the kick of some 1e-5 m that the first step gives a ball on a dashpot. */
 static void test_stability_limit(void) {
-    static const double damping[] = {0.0, 0.1, 0.5, 1.0}; /* 2 zeta */
-    for (int k = 0; k < 4; k++) {
+    static const double damping[] = {0.0, 0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0}; /* 2 zeta */
+    for (size_t k = 0; k < sizeof damping / sizeof damping[0]; k++) {
         int refused;
         CHECK(swing_at(0.98, damping[k], &refused) < 1e-6);
         CHECK(!refused);
         CHECK(swing_at(1.02, damping[k], &refused) > 1e-5);
         CHECK(refused);
+        CHECK(swing_at(0.0, damping[k], &refused) < 1e-6);
+        CHECK(!refused);
     }
+}
+
+/* A ball that can't turn swings sideways on a friction spring, 1 kg at 1000 rad/s; the normal spring is soft. What the logarithm of
+ * its amplitude grows by in a step; NAN if the step is refused. */
+static double growth_of_stretch(double turn, double ratio) {
+    char text[2048];
+    snprintf(text, sizeof text,
+             "gravity = [0, 0, -10]\n[time]\nend = 1.0\nstep = %.17g\n[[material]]\nname = \"m\"\n"
+             "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
+             "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 1.0\n"
+             "position = [0, 0, 0.009]\nvelocity = [1e-4, 0, 0]\njoint = { turn = \"fixed\" }\n"
+             "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e4, damping = 0.0 }\n"
+             "friction = { law = \"coulomb\", static = 10.0, kinetic = 10.0, stiffness = 1e6, damping = %.17g }\n",
+             turn * 1e-3, 2e3 * ratio);
+    scree_scene *scene = NULL;
+    struct scree_run_request request;
+    scree_trouble trouble;
+    double growth = NAN;
+    if (scree_read_scene(text, strlen(text), "t", NULL, 0, 1, &scene, &request, &trouble) == SCREE_OK) {
+        /* The largest speed in two periods, at the start and 800 steps later. */
+        double first = 0.0, last = 0.0;
+        long period = lround(2.0 * acos(-1.0) / turn);
+        for (long k = 0; k < 800 + 2 * period; k++) {
+            double speed = fabs(state_of(scene, "ball").velocity[0]);
+            if (k < 2 * period) first = fmax(first, speed);
+            if (k >= 800) last = fmax(last, speed);
+            go(scene, 1);
+        }
+        growth = log(last / first) / 800.0;
+    } else
+        CONTAINS(trouble.text, "stability limit");
+    scree_scene_destroy(scene);
+    scree_free_request(&request);
+    return growth;
+}
+
+/* Friction springs gain energy of themselves, by the fourth power of the step; what gains 0.2 % a step is refused. */
+static void test_growth_of_stretch(void) {
+    /* Of leading order: the next is (omega h)^2 beside it. */
+    CLOSE(growth_of_stretch(0.2, 0.0), pow(0.2, 4.0) / 8.0, 0.1);
+    CLOSE(growth_of_stretch(0.3, 0.0), pow(0.3, 4.0) / 8.0, 0.15);
+    CHECK(growth_of_stretch(0.35, 0.0) > 1e-3); /* (8 x 0.002)^(1/4) = 0.3557 is the limit */
+    CHECK(isnan(growth_of_stretch(0.36, 0.0)));
+    CHECK(isnan(growth_of_stretch(1.0, 0.05)));
+    CHECK(growth_of_stretch(0.06, 0.001) < 0.0); /* a little damping outweighs it */
 }
 
 /* ---- what stops a run ---- */
@@ -822,6 +872,7 @@ int main(void) {
     test_plan();
     test_plan_of_impacts();
     test_stability_limit();
+    test_growth_of_stretch();
     test_stops();
     test_definitions();
     test_softest();

@@ -37,7 +37,12 @@ struct run {
     scree_trouble trouble;
     int quiet;
     time_t shown;
+    /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside it. */
+    double largest, worst, worst_time;
 };
+
+/* A balance beyond this share of the energy turned over is told at the end. */
+static const double tolerable_gap = 0.1;
 
 /* "scenes/drop.toml" -> "drop", or "drop-resumed"; to be freed, NULL if there is no memory. */
 static char *default_folder(const char *scene, int resumed) {
@@ -72,14 +77,35 @@ static long next_row(const struct run *run, long last) {
     return last;
 }
 
+/* Turned over is what the motion had at its most, and what contacts took and drives gave. */
+static scree_status watch_books(struct run *run) {
+    if (!run->scene->time.energy) return SCREE_OK;
+    scree_energy energy;
+    scree_status status = scree_scene_energy(run->scene, &energy);
+    if (status) {
+        run->trouble = *scree_scene_trouble(run->scene);
+        return status;
+    }
+    run->largest = fmax(run->largest, energy.kinetic + energy.rotational + energy.stored);
+    double turned = run->largest + energy.lost_normal + energy.lost_tangential + fabs(energy.driven);
+    double gap = fabs(energy.balance) / turned;
+    if (gap > run->worst) {
+        run->worst = gap;
+        run->worst_time = scree_scene_time(run->scene);
+    }
+    return SCREE_OK;
+}
+
 static scree_status simulate(struct run *run) {
     long last = scree_steps_to(run->scene, run->request.end);
     scree_status status = scree_output_row(&run->output, run->scene, &run->trouble);
+    if (!status) status = watch_books(run);
     while (!status && scree_scene_steps(run->scene) < last) {
         long target = next_row(run, last);
         while (!status && scree_scene_steps(run->scene) < target) {
             long chunk = target - scree_scene_steps(run->scene);
             status = scree_scene_step(run->scene, chunk < 1000 ? chunk : 1000);
+            if (!status) status = watch_books(run);
             show_progress(run, scree_scene_steps(run->scene), last);
         }
         if (status)
@@ -100,6 +126,24 @@ static void warn_of_chatter(const scree_scene *scene) {
                  scree_shown(scree_scene_body_name(scene, ball)).text,
                  scree_shown(scree_scene_body_name(scene, host)).text, steepest,
                  scree_scene_step_length(scene) / steepest);
+}
+
+static void warn_of_books(const struct run *run) {
+    if (run->worst <= tolerable_gap) return;
+    cli_complain("warning: the energy books lack %.3g %% of what was turned over (worst at t = %.6g s): the result "
+                 "is wrong by as much; a smaller step than %.3g s or step = \"auto\" avoids it",
+                 100.0 * run->worst, run->worst_time, scree_scene_step_length(run->scene));
+}
+
+/* Ten steps follow a contact to some 0.2 % of the speed, five to 2 %. */
+static void warn_of_coarse_step(const struct run *run) {
+    const struct scree_step_choice *choice = &run->scene->plan.choice;
+    double step = scree_scene_step_length(run->scene);
+    if (!(step > choice->duration / 10.0)) return;
+    cli_complain("warning: the step of %.3g s is more than a tenth of the shortest contact that can happen (%.3g s, "
+                 "\"%s\" with \"%s\"): impacts come out wrong by percents",
+                 step, choice->duration, scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[0])).text,
+                 scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[1])).text);
 }
 
 static void summarise(const struct run *run, const char *folder, double seconds, long steps) {
@@ -180,6 +224,8 @@ static scree_status run_loaded(struct run *run, const char *folder, const char *
     if (status) cli_complain("%s", run->trouble.text);
     if (stopped && run->request.write) cli_complain("what was written up to then is left in %s/*.part", folder);
     warn_of_chatter(run->scene);
+    warn_of_coarse_step(run);
+    warn_of_books(run);
     if (!status && !run->quiet)
         summarise(run, folder, (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec),
                   scree_scene_steps(run->scene) - before);
