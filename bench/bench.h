@@ -9,6 +9,8 @@ int bench_impact(int count, char **words);
 int bench_laws(int count, char **words);
 int bench_lm(int count, char **words);
 int bench_plan(int count, char **words);
+int bench_stability(int count, char **words);
+int bench_stress(int count, char **words);
 
 /* Seconds on a clock that only runs forward. */
 double bench_now(void);
