@@ -54,6 +54,8 @@ struct scree_scene {
     long steps;
     double driven;       /* J put in by drives and tilting so far */
     double first_energy; /* J at the start */
+    double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */
+    int hastiest;        /* which body */
     int books_begun;     /* the energy books begin at the state that was restored, which held none */
 };
 

@@ -34,7 +34,12 @@ static scree_status renew_list(scree_scene *scene) {
                         "contact too stiff");
         int plane = bodies->shape[k].kind == SCREE_PLANE; /* turns about its normal only */
         double speed = vec_norm(vec_from(record->v)) + (plane ? 0.0 : vec_norm(vec_from(record->w)) * record->bound);
-        if (speed * scene->step > scene->contacts.skin) {
+        double hasty = speed * scene->step / scene->contacts.skin;
+        if (hasty > scene->hasty) {
+            scene->hasty = hasty;
+            scene->hastiest = k;
+        }
+        if (hasty > 1.0) {
             char cause[200];
             snprintf(
                 cause, sizeof cause,

@@ -78,6 +78,7 @@ check 'coarse step: books' 0 'the energy books lack' "$scree" run "$work/coarse.
 check 'coarse step' 0 'more than a tenth of the shortest contact' "$scree" run "$work/coarse.toml" -o "$work/coarse"
 coarse 1e-4
 expect 'fine step: no warning' test -z "$("$scree" run "$work/coarse.toml" --quiet -o "$work/coarse" 2>&1)"
+check 'haste' 0 'it only grazes' "$scree" run "$work/coarse.toml" -o "$work/coarse" --set 'body.ball.velocity=[0,0,40]'
 
 # Two bodies meet. The rule of a rigid body that slides: e_t = 1 - mu (1 + e) = 0.81 at 45 degrees.
 slides='ramp kinetic=0.1 threshold=1e-6'
