@@ -20,8 +20,8 @@ struct pair {
     struct vec n, u0;
     struct vec softness[3];          /* W, 1/kg */
     double time, length, push, load; /* scales of time, overlap, impulse, force */
-    double tolerance;
-    int projects; /* friction cuts its memory down to what its slider holds */
+    double tolerance, stretch;       /* the longest stretch so far */
+    int projects;                    /* friction cuts its memory down to what its slider holds */
 };
 
 /* What the laws keep, and the phase of the contact: constant within a step. */
@@ -68,6 +68,7 @@ static struct instant look(const struct pair *p, const struct phase *phase, cons
     now.force = now.law.elastic + now.law.damping * now.closing;
     if (!p->friction) return now;
     now.at = (struct scree_sliding){.normal = fmax(now.force, 0.0), .overlap = s->y[OVERLAP], .velocity = now.slip};
+    now.at.closing = at.closing;
     now.at.stretch = vec_from(&s->y[STRETCH]);
     now.at.sliding = phase->sliding ? 1.0 : 0.0;
     if (!unloaded(p, &now))
@@ -83,7 +84,7 @@ static struct instant look(const struct pair *p, const struct phase *phase, cons
 static struct vec sticking_rate(const struct pair *p, struct scree_sliding at) {
     at.half = 1e-6 * p->time;
     at.stretch = vec(0.0, 0.0, 0.0);
-    at.sliding = 0.0;
+    at.sliding = at.closing = 0.0; /* without a stretch a change of load changes nothing */
     at.normal = fmax(at.normal, p->load) * 1e6;
     return vec_scale(0.5 / at.half, rub(p, at).stretch);
 }
@@ -150,7 +151,7 @@ static double length3(const double *a) { return vec_norm(vec_from(a)); }
 static double misfit(const struct pair *p, const struct state *error, const struct state *end,
                      const struct state *rate) {
     double speed = p->length / p->time, worst = fabs(error->y[OVERLAP]) / p->length;
-    double stretch = fmax(length3(&end->y[STRETCH]), p->time * length3(&rate->y[STRETCH]));
+    double stretch = fmax(fmax(p->stretch, length3(&end->y[STRETCH])), p->time * length3(&rate->y[STRETCH]));
     worst = fmax(worst, length3(&error->y[IMPULSE]) / p->push);
     worst = fmax(worst, length3(&error->y[STRETCH]) / (stretch + 1e-300));
     worst = fmax(worst, fabs(error->y[WORK_NORMAL]) / (p->push * speed));
@@ -391,6 +392,7 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
         time += taken;
         settle(&p, &phase, next, &end);
         s = end;
+        p.stretch = fmax(p.stretch, length3(&s.y[STRETCH]));
         too_many(&p, taken, &rapid);
         record(&p, &phase, &s, time, &result, watch, context);
         h = fmin(h * (error > 0.0 ? fmin(4.0, 0.9 * scree_pow(error, -0.2)) : 4.0), 0.02 * p.time);

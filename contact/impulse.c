@@ -88,7 +88,8 @@ static double lasting(const struct pair *p, const struct instant *at) {
 
 static struct scree_sliding sliding_of(const struct pair *p, const struct instant *at, double normal) {
     struct scree_sliding sliding = {.normal = normal > 0.0 ? normal : 0.0, .overlap = at->overlap};
-    sliding.velocity = vec_axpy(at->velocity, closing_of(p, at), p->n);
+    sliding.closing = closing_of(p, at);
+    sliding.velocity = vec_axpy(at->velocity, sliding.closing, p->n);
     sliding.stretch = at->stretch;
     sliding.sliding = at->sliding;
     return sliding;

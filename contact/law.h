@@ -105,10 +105,10 @@ struct scree_normal_law {
 };
 
 /* A contact as a friction law sees it in the middle of a step: normal force (>= 0), tangential velocity of the ball against
- * its partner, overlap, and the memory as it was `half` a step (s) before: the tangential stretch, and whether the contact was
+ * its partner, overlap and closing speed, and the memory as it was `half` a step (s) before: the tangential stretch, and whether the contact was
  * sliding. With half = 0 everything is of one instant. */
 struct scree_sliding {
-    double normal, overlap, half;
+    double normal, overlap, closing, half;
     struct vec velocity, stretch;
     double sliding;
 };

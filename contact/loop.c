@@ -153,8 +153,9 @@ SCREE_NORMAL_LAWS(NORMAL_PASS)
             double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                     \
             struct scree_pair_constants of_pair = {                                                                    \
                 {pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};                           \
-            struct scree_sliding at = {                                                                                \
-                .normal = normal, .overlap = b->overlap[k], .half = half, .velocity = get(b->slip, k)};                \
+            struct scree_sliding at = {.normal = normal, .overlap = b->overlap[k], .half = half};                      \
+            at.closing = b->closing[k];                                                                                \
+            at.velocity = get(b->slip, k);                                                                             \
             if (scree_friction_##word.memory) {                                                                        \
                 at.stretch = scree_into_tangent_plane(get(kept, k), get(b->n, k));                                     \
                 at.sliding = kept[3][k];                                                                               \

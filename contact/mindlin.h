@@ -1,4 +1,4 @@
-/* What the two no-slip laws of Mindlin share: parameters, constants, stiffness and damping.
+/* What the no-slip laws of Mindlin share: parameters, constants, stiffness and damping.
  *   k_t = 8 G* a,  a = sqrt(R d) the radius of the contact,  1/G* = (2 - nu1)/G1 + (2 - nu2)/G2
  *   R. D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16 (1949) 259, eq. (no slip, constant load)
  *   c_t = 2 zeta sqrt(m k_t), as in the damping of Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239

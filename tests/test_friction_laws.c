@@ -191,6 +191,7 @@ static void test_rest(void) {
         "law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e5, damping = 20",
         "law = \"mindlin\", static = 0.4, kinetic = 0.3, shear_modulus = 1e9, damping = 0.5",
         "law = \"mindlin-incremental\", static = 0.4, kinetic = 0.3, shear_modulus = 1e9, damping = 0.5",
+        "law = \"mindlin-rescaled\", static = 0.4, kinetic = 0.3, shear_modulus = 1e9, damping = 0.5",
         "law = \"karnopp\", static = 0.4, kinetic = 0.3, band = 1e-3, stiffness = 1e5, damping = 20",
         "law = \"lugre\", static = 0.4, kinetic = 0.3, stribeck_speed = 1e-2, stiffness = 1e5, damping = 20",
         "law = \"elastoplastic\", static = 0.4, kinetic = 0.3, stribeck_speed = 1e-2, stiffness = 1e5, damping = 20"};
@@ -357,10 +358,10 @@ static void test_takes_energy(void) {
 /* A contact with Mindlin's stiffness sheared to and fro at constant load: k_t x while it sticks, and 4 mu N (A - mu N/k_t) J
  * lost per cycle once it slides. */
 static void test_mindlin_cycles(void) {
-    static const char *const names[] = {"mindlin", "mindlin-incremental"};
+    static const char *const names[] = {"mindlin", "mindlin-incremental", "mindlin-rescaled"};
     const double shear = 1e9, lever = 0.01, overlap = 4e-6, normal = 2.0, mu = 0.3;
     double k = 8.0 * shear * sqrt(lever * overlap), amplitude = 2.5 * mu * normal / k;
-    for (int n = 0; n < 2; n++) {
+    for (int n = 0; n < 3; n++) {
         struct friction f =
             make((scree_law_choice){names[n], 3, {{"static", mu}, {"kinetic", mu}, {"shear_modulus", shear}}});
         struct scree_pair_constants pair = f.law->pair(&f.rule.friction_constants, 0.02, lever);
@@ -412,6 +413,39 @@ static void test_mindlin_memories(void) {
         NEAR(-act(&f, pair, at).force.y, n == 0 ? 0.0 : k * x, 1e-13 * k * x);
         CLOSE(work, n == 0 ? 0.5 * k * x * x : -0.5 * k * x * x, 1e-13);
     }
+}
+
+/* The same way with the force rescaled while the load falls, in steps: stretched by x at overlap d, pressed to 4d (the force stays),
+ * released to d (it falls to half of that), and back to where no force is left, x/2: (1 - 1/4) k x^2/2 are lost. In steps
+ * of half a step's growth each, the shares of a way multiply up to the whole, so rounding is all that is left. */
+static void test_mindlin_rescaled(void) {
+    const double shear = 1e9, overlap = 1e-6, x = 1e-8, h = 1e-6;
+    const int steps = 1000;
+    struct friction f = make(
+        (scree_law_choice){"mindlin-rescaled", 3, {{"static", 10.0}, {"kinetic", 10.0}, {"shear_modulus", shear}}});
+    struct scree_pair_constants pair = f.law->pair(&f.rule.friction_constants, 0.02, 0.01);
+    double k = 8.0 * shear * sqrt(0.01 * overlap), work = 0.0;
+    struct scree_sliding at = {.normal = 10.0, .overlap = overlap, .half = 0.5 * h};
+    at.velocity = vec(0.0, x / h, 0.0);
+    struct scree_tangential t = act(&f, pair, at);
+    work -= t.force.y * x;
+    for (int fall = 0; fall < 2; fall++) {
+        double growth = (fall ? -3.0 : 3.0) * overlap / steps;
+        at = (struct scree_sliding){.normal = 10.0, .half = 0.5 * h, .closing = growth / h};
+        for (int s = 0; s < steps; s++) {
+            at.overlap = (fall ? 4.0 : 1.0) * overlap + ((double)s + 0.5) * growth;
+            at.stretch = t.stretch;
+            t = act(&f, pair, at);
+        }
+        at = (struct scree_sliding){.normal = 10.0, .overlap = fall ? overlap : 4.0 * overlap, .stretch = t.stretch};
+        CLOSE(-act(&f, pair, at).force.y, fall ? 0.5 * k * x : k * x, 1e-12);
+    }
+    at = (struct scree_sliding){.normal = 10.0, .overlap = overlap, .half = 0.5 * h, .stretch = t.stretch};
+    at.velocity = vec(0.0, -0.5 * x / h, 0.0);
+    t = act(&f, pair, at);
+    work += t.force.y * 0.5 * x;
+    NEAR(t.stretch.y, 0.0, 1e-12 * k * x);
+    CLOSE(work, 0.75 * 0.5 * k * x * x, 1e-12);
 }
 
 /* ---- slopes ---- */
@@ -916,6 +950,7 @@ int main(void) {
     test_takes_energy();
     test_mindlin_cycles();
     test_mindlin_memories();
+    test_mindlin_rescaled();
     test_inclines();
     test_rolling_on_flat();
     test_rolling_on_slope();

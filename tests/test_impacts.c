@@ -266,12 +266,15 @@ static void test_box_corner(void) {
 
 /* ---- every law with every other ---- */
 
+static double wanted = 0.6; /* restitution */
+
 /* A plausible value for a parameter, by its name or else by its unit. */
 static double plausible(const struct scree_parameter *parameter) {
+    if (strcmp(parameter->name, "restitution") == 0) return wanted;
     static const struct {
         const char *name;
         double value;
-    } by_name[] = {{"static", 0.5},   {"kinetic", 0.3},        {"restitution", 0.6}, {"speed", 1.0},
+    } by_name[] = {{"static", 0.5},   {"kinetic", 0.3},        {"speed", 1.0},
                    {"exponent", 1.5}, {"sliding_speed", 2e-2}, {"tolerance", 1e-3}},
       by_unit[] = {{"N/m", 1e5}, {"N s/m", 5.0}, {"m/s", 1e-2},   {"m", 2e-4},
                    {"Pa", 1e8},  {"s/m", 0.3},   {"J/m^2", 0.05}, {"1", 0.2}};
@@ -361,37 +364,77 @@ static void test_head_on(void) {
     }
 }
 
-/* No impact gains energy. Mindlin's springs are passive at constant load only (their headers say why): a stretch under a high
- * load that goes back under a low one gains up to half a per cent here, and not more. */
-static void check_energy(const struct scree_rule *rule, uint64_t *seed) {
-    const char *press = scree_normal_laws[rule->normal]->text.name,
-               *rub = scree_friction_laws[rule->friction]->text.name;
-    int mindlin = strncmp(rub, "mindlin", 7) == 0;
+/* Energy that a spring gains by its change of stiffness alone while what is kept of it stays: F^2/(2 k), k ~ sqrt(d), with the
+ * stretch kept (sign 1) or the force (-1). */
+struct stiffening {
+    const struct scree_rule *rule;
+    struct scree_pair_constants pair;
+    double sign, time, rate;
+    double gain, turnover;
+};
+
+static void watch_stiffening(void *context, const struct scree_moment *moment) {
+    struct stiffening *s = context;
+    const struct scree_friction_law *law = scree_friction_laws[s->rule->friction];
+    double k = law->stiffness(&s->rule->friction_constants, s->pair, moment->overlap), rate = 0.0;
+    if (moment->overlap > 0.0) rate = 0.25 * vec_norm2(moment->friction) / k * moment->closing / moment->overlap;
+    double gain = 0.5 * s->sign * (s->rate + rate) * (moment->time - s->time);
+    s->gain += gain;
+    s->turnover += fabs(gain);
+    s->time = moment->time;
+    s->rate = rate;
+}
+
+/* No impact gains energy. The springs of "mindlin" and "mindlin-incremental" are passive at constant load only, as published
+ * (their headers say why): these may gain what their changing stiffness gives them, which is reckoned beside, by the
+ * trapezoidal rule over some hundred steps (1e-2 of the turnover, with room), and not more. */
+static double check_energy(const struct scree_rule *rule, uint64_t *seed) {
+    const char *press = scree_normal_laws[rule->normal]->text.name;
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    const char *rub = friction->text.name;
+    int stretch = strcmp(rub, "mindlin") == 0, force = strcmp(rub, "mindlin-incremental") == 0;
+    double most = 0.0;
     long steps = 0; /* stiff friction takes many */
-    for (int k = 0; k < 6 && steps < 1000; k++) {
+    for (int k = 0; k < 2 && steps < 1000; k++) {
         struct scree_encounter e = any_encounter(seed);
+        struct stiffening spring = {.rule = rule, .sign = stretch ? 1.0 : -1.0};
+        if (friction->pair) spring.pair = friction->pair(&rule->friction_constants, 0.01, e.radius);
         e.tolerance = 1e-8;
-        struct scree_outcome_of_impact after = scree_meet(&e, rule, NULL, NULL);
+        struct scree_outcome_of_impact after =
+            scree_meet(&e, rule, stretch || force ? watch_stiffening : NULL, &spring);
         double before = energy(&e.ball) + energy(&e.host), left = energy(&after.ball) + energy(&after.host);
         steps += after.steps;
         /* Each step errs by the tolerance at most. */
-        double error = (double)after.steps * e.tolerance, most = mindlin ? 5e-3 : error;
-        if (after.ending != SCREE_PARTED || !(left <= before * (1.0 + most)))
-            printf("%s with %s, case %d: ending %d, gain %g\n", press, rub, k, (int)after.ending, left / before - 1.0);
+        double error = (double)after.steps * e.tolerance;
+        double allowed = fmax(spring.gain, 0.0) + 1e-2 * spring.turnover + error * before;
+        if (after.ending != SCREE_PARTED || !(left <= before + allowed))
+            printf("%s (e = %g) with %s, case %d: ending %d, gain %g\n", press, wanted, rub, k, (int)after.ending,
+                   left / before - 1.0);
         CHECK(after.ending == SCREE_PARTED);
-        CHECK(left <= before * (1.0 + most));
+        CHECK(left <= before + allowed);
         NEAR((before - left - after.lost_normal - after.lost_tangential) / before, 0.0, error);
+        most = fmax(most, left / before - 1.0 - error);
     }
+    return most;
 }
 
 static void test_energy(void) {
+    static const double restitutions[] = {0.6, 0.05, 0.3, 0.9, 0.999};
     uint64_t seed = 11;
-    for (int n = 0; scree_normal_laws[n]; n++)
-        for (int f = 0; scree_friction_laws[f]; f++) {
-            struct scree_rule rule = plausible_rule(n, f);
-            check_energy(&rule, &seed);
-            scree_free_rule(&rule);
-        }
+    double published = 0.0;
+    for (int k = 0; k < 5; k++)
+        for (int n = 0; scree_normal_laws[n]; n++)
+            for (int f = 0; scree_friction_laws[f]; f++) {
+                /* Bristles take many steps: each normal law meets them at one restitution. */
+                const struct scree_friction_law *law = scree_friction_laws[f];
+                int bristles = law->memory && !law->slider && strncmp(law->text.name, "mindlin", 7) != 0;
+                if (bristles && (k + n) % 5 != 0) continue;
+                wanted = restitutions[k];
+                struct scree_rule rule = plausible_rule(n, f);
+                published = fmax(published, check_energy(&rule, &seed));
+                scree_free_rule(&rule);
+            }
+    CHECK(published > 0.0); /* it can be seen */
 }
 
 int main(void) {
