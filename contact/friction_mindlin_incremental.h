@@ -37,6 +37,8 @@ static const struct scree_friction_law scree_friction_mindlin_incremental = {
              .example = "static = 0.4, kinetic = 0.3, shear_modulus = 4e8, damping = 0.1",
              .parameters = mindlin_parameters},
     .memory = 1,
+    .slider = 1,
+    .root = 2,
     .bake = mindlin_bake,
     .pair = mindlin_pair,
     .force = friction_mindlin_incremental_force,

@@ -35,6 +35,7 @@ struct pair {
     double step;
     int root, substeps;
     int trial; /* friction is a slider behind a bare spring */
+    int holds; /* reckon as if that slider held whatever comes */
     int books; /* energy is looked at */
 };
 
@@ -100,7 +101,7 @@ static struct scree_sliding sliding_of(const struct pair *p, const struct instan
 static void rub(const struct pair *p, struct instant *at, struct load *load) {
     load->rubbing = 0.0;
     if (!p->friction) return;
-    struct scree_sliding sliding = sliding_of(p, at, load->normal);
+    struct scree_sliding sliding = sliding_of(p, at, p->holds ? 1e200 : load->normal);
     struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
     load->force = vec_add(load->force, f.force);
     load->rubbing = -vec_dot(f.force, sliding.velocity);
@@ -354,6 +355,33 @@ static void shorten(const struct pair *p, enum event event, const struct instant
     }
 }
 
+/* A slider that has held until now doesn't any more. */
+static int breaks_loose(const struct pair *p, const struct instant *at) {
+    struct instant now = *at;
+    struct load load;
+    press(p, &now, &load);
+    rub(p, &now, &load);
+    return now.sliding > 0.0 && !(at->sliding > 0.0);
+}
+
+/* Where a slider breaks loose its force leaves that of the spring, with a kink or a jump. If it does within the piece, the piece
+ * is shortened to end there, as if it held up to then. */
+static int shorten_to_slip(const struct pair *p, const struct instant *from, struct nearness near, double *time,
+                           struct instant *to, struct yield *yield) {
+    if (!p->trial || from->sliding > 0.0 || !breaks_loose(p, to) || breaks_loose(p, from)) return 0;
+    struct pair holding = *p;
+    holding.holds = 1;
+    double low = 0.0, high = *time;
+    for (int k = 0; k < TRIES; k++) {
+        double t = 0.5 * (low + high);
+        *to = go(&holding, from, near, t, yield);
+        *(breaks_loose(p, to) ? &high : &low) = t;
+    }
+    *to = go(&holding, from, near, high, yield);
+    *time = high;
+    return 1;
+}
+
 static void add(struct yield *sum, const struct yield *part, double left) {
     sum->moment = vec_add(sum->moment, vec_axpy(part->moment, left, part->impulse));
     sum->impulse = vec_add(sum->impulse, part->impulse);
@@ -395,10 +423,13 @@ static void touch(const struct pair *p, struct instant *at, double start, struct
             fly(p, at, p->step - time, sum);
             return;
         }
-        time = turns || ends ? time + piece : goal;
+        int slips = shorten_to_slip(p, at, near, &piece, &to, &part);
+        if (slips) turns = ends = 0;
+        time = turns || ends || slips ? time + piece : goal;
         if (!(time < p->step)) time = p->step;
         add(sum, &part, p->step - time);
         *at = to;
+        if (slips) at->sliding = 1.0;
         turned = turns;
         if (ends) {
             fly(p, at, p->step - time, sum);

@@ -315,14 +315,30 @@ static void test_oblique(void) {
         {"normal = { law=\"tsuji-cut\", stiffness=5e6, restitution=0.5 }\nfriction = { law=\"coulomb\", static=0.3, "
          "kinetic=0.3, stiffness=8e4 }",
          1.83e-3},
+        {"normal = { law=\"linear-cut\", stiffness=1e5, restitution=0.5 }\nfriction = { law=\"coulomb\", static=0.4, "
+         "kinetic=0.3, stiffness=8e4 }",
+         1.77e-3},
+        {"normal = { law=\"hertz\", stiffness=5e6 }\nfriction = { law=\"mindlin\", static=0.3, kinetic=0.3, "
+         "shear_modulus=8e6 }",
+         1.66e-3},
+        {"normal = { law=\"tsuji-cut\", stiffness=5e6, restitution=0.5 }\nfriction = { law=\"mindlin-incremental\", "
+         "static=0.3, kinetic=0.3, shear_modulus=8e6 }",
+         1.83e-3},
+        {"normal = { law=\"hunt-crossley\", stiffness=5e6, exponent=1.5, restitution=0.5, speed=1.0 }\n"
+         "friction = { law=\"mindlin-rescaled\", static=0.3, kinetic=0.3, shear_modulus=8e6 }",
+         1.8e-3},
     };
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
         double fine[12][2], plain[2];
         for (int k = 0; k < 12; k++) {
-            strike_plainly(5.0 + 5.0 * k, cases[c].laws, plain);
             strike(5.0 + 5.0 * k, cases[c].laws, cases[c].duration / 4000.0, 0.3, pair_impulse, 4, fine[k]);
-            NEAR(fine[k][0], plain[0], 5e-6);
-            NEAR(fine[k][1], plain[1], 5e-6);
+            if (c < 2)
+                strike_plainly(5.0 + 5.0 * k, cases[c].laws, plain);
+            else /* the other integrator: where static friction ends it is up to half a step late, 0.1 x 80 N x 2.2e-7 s
+                    x 3.5/0.03 kg */
+                strike(5.0 + 5.0 * k, cases[c].laws, cases[c].duration / 4000.0, 0.3, NULL, 0, plain);
+            NEAR(fine[k][0], plain[0], c < 2 ? 5e-6 : 2.1e-4);
+            NEAR(fine[k][1], plain[1], c < 2 ? 5e-6 : 2.1e-4);
         }
         static const double bound[2][2] = {{1.6e-3, 2.5e-4}, {5e-4, 7e-5}};
         for (int s = 0; s < 2; s++) {
