@@ -692,6 +692,51 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
     return vec_sub(gain, vec_cross(vec_cross(now.normal, normal), velocity));
 }
 
+/* The rolling law of a contact that pressed with the mean force of `sum`, by the rule of loop.c: one evaluation at mid-step, at the
+ * predicted spins. */
+static void roll(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct place place,
+                 struct view middle, double normal, int touches, double step) {
+    const struct scree_rule *rule = &contacts->rule[place.batch->rule];
+    if (rule->rolling < 0) return;
+    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
+    const struct scree_law_constants *constants = &rule->rolling_constants;
+    const struct scree_contact *contact = &place.batch->contact[place.block * SCREE_LANES + place.lane];
+    struct scree_yield *yield = &place.batch->yield[place.block];
+    struct scree_moments *moments = &place.batch->moments[place.block];
+    double(*own)[SCREE_LANES] = law->memory ? place.batch->kept[place.block] + SCREE_KEPT_ROLLING : NULL;
+    double lever = place.batch->pair[place.batch->uniform ? 0 : place.block][SCREE_PAIR_LEVER][place.lane];
+    int lane = place.lane;
+    struct vec spin = vec_sub(vec_from(bodies->record[contact->ball].w), vec_from(bodies->record[contact->host].w));
+    struct vec velocity = vec_scale(lever, spin), n = middle.normal;
+    double along = vec_dot(velocity, n);
+    struct scree_sliding rolling = {.normal = normal > 0.0 ? normal : 0.0,
+                                    .overlap = middle.overlap,
+                                    .half = 0.5 * step,
+                                    .velocity = vec_axpy(velocity, -along, n)};
+    struct scree_sliding twisting = rolling;
+    twisting.velocity = vec(along, 0.0, 0.0);
+    if (own) {
+        rolling.stretch = scree_into_tangent_plane(get(own, lane), n);
+        rolling.sliding = own[3][lane];
+        twisting.stretch = vec(own[4][lane], 0.0, 0.0);
+        twisting.sliding = own[5][lane];
+    }
+    struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], rolling);
+    struct scree_tangential s = law->resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], twisting);
+    struct vec turn = vec_scale(step * lever, vec_axpy(r.force, s.force.x, n));
+    struct vec moment = vec_scale(0.5 * step, turn);
+    put(yield->turn_ball, lane, vec_add(get(yield->turn_ball, lane), turn));
+    put(yield->turn_host, lane, vec_sub(get(yield->turn_host, lane), turn));
+    put(moments->turn_ball, lane, vec_add(get(moments->turn_ball, lane), moment));
+    put(moments->turn_host, lane, vec_sub(get(moments->turn_host, lane), moment));
+    yield->work_tangential -= step * (vec_dot(r.force, rolling.velocity) + s.force.x * along);
+    if (!own) return;
+    put(own, lane, vec_scale(touches, r.stretch));
+    own[3][lane] = touches * r.sliding;
+    own[4][lane] = touches * s.stretch.x;
+    own[5][lane] = touches * s.sliding;
+}
+
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int idle(const struct scree_bodies *bodies, struct place place, double overlap) {
     const struct scree_batch *batch = place.batch;
@@ -752,6 +797,7 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     keep(&p, place, &at);
     struct vec impulse = turn_along(sum.impulse, now.normal, middle.normal);
     write_yield(&sum, middle, impulse, turn_along(sum.moment, now.normal, middle.normal), place);
+    roll(contacts, bodies, place, middle, vec_dot(impulse, middle.normal) / step, at.overlap > 0.0, step);
     double steep = batch->slope * vec_dot(impulse, middle.normal) * 4.0 * (a->inverse_mass + b->inverse_mass);
     batch->yield[place.block].steep[place.lane] = steep;
 }

@@ -486,12 +486,6 @@ static scree_status bake(struct scree_scene *scene) {
         status = scree_contacts_create(&scene->contacts, scene->defs, scene->materials, scene->rule, scene->rules,
                                        &scene->trouble);
     int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
-    for (int k = 0; impulses && k < scene->rules; k++)
-        if (scene->rule[k].rolling >= 0)
-            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator",
-                                "the integrator \"pair-impulse\" doesn't know rolling laws yet: leave out \"%s\", or "
-                                "take \"verlet\"",
-                                scree_rolling_laws[scene->rule[k].rolling]->text.name);
     if (!status && impulses) status = keep_impulses(scene);
     if (status) return status;
     count_bodies(scene);

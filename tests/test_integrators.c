@@ -354,6 +354,48 @@ static void test_oblique(void) {
     }
 }
 
+/* ---- rolling ---- */
+
+/* A ball that slips, rolls, twists and is brought to rest by rolling resistance. */
+static void roll(double step, const char *integrator, double numbers[3], double *imbalance) {
+    static const char text[] =
+        "gravity = [0, 0, -9.81]\n[time]\nend = 10.0\nforce = true\n[[material]]\nname = \"m\"\n"
+        "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 0.03\n"
+        "velocity = [0.3, 0, 0]\nspin = [0, 10, 5]\nposition = [0, 0, 0.01]\n[output]\nwrite = [\"energy.csv\"]\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear-cut\", stiffness = 1e4, restitution = 0.5 }\n"
+        "friction = { law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 8e3, damping = 2.0 }\n"
+        "rolling = { law = \"spring-dashpot\", rolling = 0.05, twisting = 0.02, stiffness = 4e3, damping = 2.0 }\n";
+    scree_scene *scene = scene_with(text, step, integrator, 0);
+    go(scene, lround(0.05 / step));
+    scree_body_state ball = state_of(scene, "ball");
+    numbers[0] = 0.01 * ball.spin[1];
+    numbers[1] = 0.01 * ball.spin[2];
+    go(scene, lround(0.95 / step));
+    numbers[2] = state_of(scene, "ball").position[0];
+    scree_energy energy;
+    CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
+    *imbalance = energy.balance;
+    scree_scene_destroy(scene);
+}
+
+/* The resistance is evaluated once a step, at its middle: second order, so a quarter of the error with half the step, and
+ * the same limit as the other integrator's. */
+static void test_rolling(void) {
+    double fine[3], coarse[3], half[3], verlet[3], ignored, imbalance;
+    roll(1e-6, pair_impulse, fine, &ignored);
+    roll(1e-6, "time.integrator=\"verlet\"", verlet, &ignored);
+    roll(1e-4, pair_impulse, coarse, &imbalance);
+    roll(5e-5, pair_impulse, half, &ignored);
+    for (int k = 0; k < 3; k++) {
+        NEAR(fine[k], verlet[k], 1e-9); /* verlet at 1/5400 of a contact */
+        NEAR(coarse[k], fine[k], 1e-7);
+        NEAR(half[k], fine[k], 0.25 * 1e-7);
+    }
+    NEAR(imbalance, 0.0, 1e-9); /* of 1.4e-3 J */
+}
+
 /* ---- rest ---- */
 
 /* Fastest motion and largest displacement of the bodies in `steps` steps, looked at every 100. */
@@ -575,6 +617,7 @@ int main(void) {
     test_rows();
     test_cradle();
     test_oblique();
+    test_rolling();
     test_stack();
     test_notch();
     test_limit();
