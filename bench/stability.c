@@ -30,23 +30,23 @@ static const char help[] =
 static const char script[] =
     "# scree-bench stability > stability_map.csv; gnuplot stability_map.gp\n"
     "set datafile separator ','\n"
-    "set terminal svg size 1100,700 dynamic\n"
+    "set terminal svg size 1700,700 dynamic\n"
     "set output 'stability_map.svg'\n"
-    "set multiplot layout 2,3 title 'right (green), wrong by more than 10 % (yellow), unstable (red); line: theory'\n"
+    "set multiplot layout 2,5 title 'right (green), wrong by more than 10 % (yellow), unstable (red); line: theory'\n"
     "set logscale x\n"
     "set xlabel 'omega h'\n"
     "set ylabel 'damping ratio'\n"
     "set xrange [0.01:4]\n"
     "set yrange [-0.05:2.05]\n"
     "set key off\n"
-    "do for [law in 'linear hertz tsuji hunt-crossley coulomb'] {\n"
-    "  set title law\n"
-    "  is(word) = (strcol(2) eq law && strcol(6) eq word) ? $3 : NaN\n"
+    "do for [who in 'verlet pair-impulse'] { do for [law in 'linear hertz tsuji hunt-crossley coulomb'] {\n"
+    "  set title who.', '.law\n"
+    "  is(word) = (strcol(1) eq who && strcol(2) eq law && strcol(6) eq word) ? $3 : NaN\n"
     "  plot 'stability_map.csv' using 4:(is('right')) pt 7 ps 0.4 lc rgb '#2a9d4e', \\\n"
     "       '' using 4:(is('wrong')) pt 7 ps 0.4 lc rgb '#e0a000', \\\n"
     "       '' using 4:(is('unstable')) pt 7 ps 0.4 lc rgb '#c03030', \\\n"
-    "       '' using 5:(strcol(2) eq law ? $3 : NaN) with lines lc rgb 'black'\n"
-    "}\n"
+    "       '' using 5:(strcol(1) eq who && strcol(2) eq law ? $3 : NaN) with lines lc rgb 'black'\n"
+    "} }\n"
     "unset multiplot\n";
 
 /* Largest stable omega*step at a damping ratio: engine/plan.c, h^2 K + 4 h C = 4. */
@@ -67,11 +67,27 @@ static double verlet_limit_of_stretch(double damping) {
     return low;
 }
 
+/* Classical Runge-Kutta, which a lone pair is integrated by: |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 for both z = lambda h. */
+static double runge_kutta_limit(double damping) {
+    double complex root = csqrt(damping * damping - 1.0), rate[2] = {-damping + root, -damping - root};
+    double turn = 0.0;
+    for (int stable = 1; stable && turn < 8.0; turn += 1e-4)
+        for (int k = 0; k < 2; k++) {
+            double complex z = turn * rate[k];
+            stable &= cabs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))) <= 1.0;
+        }
+    return turn;
+}
+
+/* With friction a step is made of two. */
+static double runge_kutta_limit_of_stretch(double damping) { return 2.0 * runge_kutta_limit(damping); }
+
 /* The integrators; limits may be NULL where no theory is at hand. */
 static const struct {
     const char *name;
     double (*limit)(double damping), (*limit_of_stretch)(double damping);
-} integrators[] = {{"verlet", verlet_limit, verlet_limit_of_stretch}};
+} integrators[] = {{"verlet", verlet_limit, verlet_limit_of_stretch},
+                   {"pair-impulse", runge_kutta_limit, runge_kutta_limit_of_stretch}};
 
 enum law { LINEAR, HERTZ, TSUJI, HUNT_CROSSLEY, COULOMB, LAWS };
 static const char *const law_names[LAWS] = {"linear", "hertz", "tsuji", "hunt-crossley", "coulomb"};
