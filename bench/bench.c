@@ -19,6 +19,7 @@ static const char help[] =
     "  lm        time of a least-squares solve; calls and digits on test problems; beside other solvers\n"
     "  plan      time of planning 41 operating speeds with the process model, against the clearance left\n"
     "  precision run time against error for each integrator: impacts, sliding, a cradle, bouncing\n"
+    "  skips     what it saves to leave out what a scene doesn't need\n"
     "  stability where a step is stable and right, over step and damping, for several laws; beside theory\n"
     "  stress    extreme masses, stiffnesses, sizes, speeds, stacks, long rests: what happens, and what is said of it\n"
     "\n"
@@ -27,10 +28,9 @@ static const char help[] =
 static const struct {
     const char *name;
     int (*run)(int count, char **words);
-} benchmarks[] = {{"process", bench_process},     {"impact", bench_impact},
-                  {"laws", bench_laws},           {"lm", bench_lm},
-                  {"plan", bench_plan},           {"precision", bench_precision},
-                  {"stability", bench_stability}, {"stress", bench_stress}};
+} benchmarks[] = {{"process", bench_process}, {"impact", bench_impact},       {"laws", bench_laws},
+                  {"lm", bench_lm},           {"plan", bench_plan},           {"precision", bench_precision},
+                  {"skips", bench_skips},     {"stability", bench_stability}, {"stress", bench_stress}};
 
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
 

@@ -10,6 +10,7 @@ int bench_laws(int count, char **words);
 int bench_lm(int count, char **words);
 int bench_plan(int count, char **words);
 int bench_precision(int count, char **words);
+int bench_skips(int count, char **words);
 int bench_stability(int count, char **words);
 int bench_stress(int count, char **words);
 
