@@ -53,6 +53,20 @@ scree_scene *figures_scene(const struct figures *figures, const char *file, cons
     return scene;
 }
 
+scree_scene *figures_scene_text(struct figures *figures, const char *text) {
+    struct scree_run_request request = {0};
+    scree_scene *scene = NULL;
+    scree_read_scene(text, strlen(text), "suite", NULL, 0, 1, &scene, &request, &figures->trouble);
+    scree_free_request(&request);
+    return scene;
+}
+
+scree_status figures_step(struct figures *figures, scree_scene *scene, long steps) {
+    scree_status status = scree_scene_step(scene, steps);
+    if (status) figures->trouble = *scree_scene_trouble(scene);
+    return status;
+}
+
 scree_status figures_contacts_from(scree_scene *scene, int first, int *count) {
     scree_contact_state contact[32];
     int all = 0;

@@ -40,6 +40,23 @@ scree_status figure_16(struct figures *figures);
 scree_status figure_forces(struct figures *figures);
 scree_status figure_family(struct figures *figures);
 
+/* Cases of the suites that other codes are judged by. */
+scree_status suite_dem01(struct figures *figures);
+scree_status suite_dem02(struct figures *figures);
+scree_status suite_dem03(struct figures *figures);
+scree_status suite_dem04(struct figures *figures);
+scree_status suite_dem05(struct figures *figures);
+scree_status suite_chung_ooi_elastic(struct figures *figures);
+scree_status suite_chung_ooi_restitution(struct figures *figures);
+scree_status suite_chung_ooi_oblique(struct figures *figures);
+scree_status suite_chung_ooi_spin(struct figures *figures);
+scree_status suite_incline(struct figures *figures);
+scree_status suite_slide(struct figures *figures);
+scree_status suite_rolling(struct figures *figures);
+scree_status suite_cradle(struct figures *figures);
+scree_status suite_stack(struct figures *figures);
+scree_status suite_chain(struct figures *figures);
+
 /* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,
                     double simulated, double bound);
@@ -48,6 +65,12 @@ void figures_report(struct figures *figures, const char *figure, const char *qua
  * called from several threads, each with a trouble record of its own. */
 scree_scene *figures_scene(const struct figures *figures, const char *file, const char *const *assignments, int count,
                            scree_trouble *trouble);
+
+/* The same from the text of a scene file. */
+scree_scene *figures_scene_text(struct figures *figures, const char *text);
+
+/* Step; the reason of a failure goes into the trouble record. */
+scree_status figures_step(struct figures *figures, scree_scene *scene, long steps);
 
 /* How many contacts of the product are with bodies from index `first` on (the tines come last in the scenes). */
 scree_status figures_contacts_from(scree_scene *scene, int first, int *count);

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 static const char help[] =
-    "usage: scree reproduce [-o DIR] [--data DIR] [--threads N] [--list] [FIGURE …]\n"
+    "usage: scree reproduce [-o DIR] [--data DIR] [--threads N] [--list] [--suite NAME] [FIGURE …]\n"
     "\n"
     "Simulate the verification experiments and the figures of the process model (all, or those named: see "
     "--list). For\n"
@@ -19,6 +19,8 @@ static const char help[] =
     "Exit status 1\n"
     "if a bound is missed. Without gnuplot data and scripts are written all the same.\n"
     "\n"
+    "  --suite NAME the cases of a suite that other codes are judged by, instead of the figures: mfix, chung-ooi,\n"
+    "               classics (\"all\": each of them, and the figures)\n"
     "  -o DIR       where to write (default: figures)\n"
     "  --data DIR   folder of the scenes (default: the one this program was built or installed with)\n"
     "  --threads N  simulations at the same time (default: the number of processors)\n"
@@ -26,25 +28,40 @@ static const char help[] =
     "example: scree reproduce -o /tmp/figures 11b 12 13\n";
 
 static const struct {
-    const char *name, *title;
+    const char *suite, *name, *title; /* suite NULL: a figure of the process model */
     scree_status (*make)(struct figures *figures);
 } list[] = {
-    {"5a", "velocity of comb and product over the path, conventional motion", figure_5a},
-    {"5b", "velocity of comb and product over the path, new motion", figure_5b},
-    {"6a", "positioning error over operating speed, conventional motion", figure_6a},
-    {"6b", "positioning error over operating speed, a scaled new profile", figure_6b},
-    {"7", "the scene: bodies", figure_7},
-    {"8", "normal force over overlap, for each normal law", figure_8},
-    {"9", "friction coefficient over relative velocity, for each friction law", figure_9},
-    {"10", "the scene: contacts", figure_10},
-    {"11b", "inclined plane: product velocity over inclination", figure_11b},
-    {"12", "impact and slide: sliding distance over collision velocity", figure_12},
-    {"13", "restitution: product velocity over collision velocity", figure_13},
-    {"14", "the planned velocity profile with its events", figure_14},
-    {"15", "residuals of the iterative solver, simulation by simulation", figure_15},
-    {"16", "characteristic map: comb velocity over time and operating speed", figure_16},
-    {"forces", "force and impact speed at the front tines, conventional beside new", figure_forces},
-    {"restitution_family", "restitution delivered over restitution asked, factors as published", figure_family},
+    {NULL, "5a", "velocity of comb and product over the path, conventional motion", figure_5a},
+    {NULL, "5b", "velocity of comb and product over the path, new motion", figure_5b},
+    {NULL, "6a", "positioning error over operating speed, conventional motion", figure_6a},
+    {NULL, "6b", "positioning error over operating speed, a scaled new profile", figure_6b},
+    {NULL, "7", "the scene: bodies", figure_7},
+    {NULL, "8", "normal force over overlap, for each normal law", figure_8},
+    {NULL, "9", "friction coefficient over relative velocity, for each friction law", figure_9},
+    {NULL, "10", "the scene: contacts", figure_10},
+    {NULL, "11b", "inclined plane: product velocity over inclination", figure_11b},
+    {NULL, "12", "impact and slide: sliding distance over collision velocity", figure_12},
+    {NULL, "13", "restitution: product velocity over collision velocity", figure_13},
+    {NULL, "14", "the planned velocity profile with its events", figure_14},
+    {NULL, "15", "residuals of the iterative solver, simulation by simulation", figure_15},
+    {NULL, "16", "characteristic map: comb velocity over time and operating speed", figure_16},
+    {NULL, "forces", "force and impact speed at the front tines, conventional beside new", figure_forces},
+    {NULL, "restitution_family", "restitution delivered over restitution asked, factors as published", figure_family},
+    {"mfix", "dem01", "a sphere falls on a spring and dashpot", suite_dem01},
+    {"mfix", "dem02", "a bouncing sphere", suite_dem02},
+    {"mfix", "dem03", "two spheres pressed between walls", suite_dem03},
+    {"mfix", "dem04", "a ball slips, then rolls", suite_dem04},
+    {"mfix", "dem05", "oblique impacts", suite_dem05},
+    {"chung-ooi", "1-2", "elastic impacts of two spheres and with a plane", suite_chung_ooi_elastic},
+    {"chung-ooi", "3", "restitution got over restitution asked", suite_chung_ooi_restitution},
+    {"chung-ooi", "4-5", "oblique impacts", suite_chung_ooi_oblique},
+    {"chung-ooi", "6-8", "impacts with spin: on a plane, of equal and unequal spheres", suite_chung_ooi_spin},
+    {"classics", "incline", "block and sphere on an inclined plane", suite_incline},
+    {"classics", "slide", "a box slides to rest", suite_slide},
+    {"classics", "rolling", "rolling resistance", suite_rolling},
+    {"classics", "cradle", "Newton's cradle", suite_cradle},
+    {"classics", "stack", "overlaps in a stack of spheres", suite_stack},
+    {"classics", "chain", "solitary wave in a chain of Hertz's contacts", suite_chain},
 };
 
 enum { FIGURES = sizeof list / sizeof list[0] };
@@ -61,8 +78,18 @@ static int find_figure(const char *name) {
     return -1;
 }
 
-static int select_figures(int count, char **words, int wanted[FIGURES]) {
-    for (int k = 0; k < FIGURES; k++) wanted[k] = count == 0;
+/* Those of a suite (NULL: the figures of the process model, "all": everything), or those named. */
+static int select_figures(int count, char **words, const char *suite, int wanted[FIGURES]) {
+    const char *suites[FIGURES + 2] = {"all"};
+    int known = suite == NULL || strcmp(suite, "all") == 0;
+    for (int k = 0, n = 1; k < FIGURES; k++) {
+        int of_suite = suite && list[k].suite && strcmp(suite, list[k].suite) == 0;
+        known |= of_suite;
+        wanted[k] = count == 0 && (suite == NULL ? list[k].suite == NULL : of_suite || strcmp(suite, "all") == 0);
+        if (list[k].suite && strcmp(list[k].suite, suites[n - 1]) != 0) suites[n++] = list[k].suite;
+    }
+    if (!known) return cli_complain("there is no suite \"%s\"%s", suite, scree_hint(suite, suites).text);
+    if (suite && count) return cli_complain("either --suite or names of figures");
     for (int n = 0; n < count; n++) {
         int k = find_figure(words[n]);
         if (k < 0) return cli_complain("there is no figure \"%s\"; scree reproduce --list names them", words[n]);
@@ -89,18 +116,18 @@ static scree_status make_figures(struct figures *figures, const int wanted[FIGUR
 }
 
 int cli_reproduce(int count, char **words) {
-    const char *folder = "figures", *data = NULL, *threads = NULL;
+    const char *folder = "figures", *data = NULL, *threads = NULL, *suite = NULL;
     int only_list = 0, wanted[FIGURES];
-    const struct cli_option options[] = {{.name = "-o", .value = &folder},
-                                         {.name = "--data", .value = &data},
-                                         {.name = "--threads", .value = &threads},
-                                         {.name = "--list", .flag = &only_list},
-                                         {0}};
+    const struct cli_option options[] = {
+        {.name = "-o", .value = &folder},       {.name = "--data", .value = &data},
+        {.name = "--suite", .value = &suite},   {.name = "--threads", .value = &threads},
+        {.name = "--list", .flag = &only_list}, {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
-    for (int k = 0; only_list && k < FIGURES; k++) printf("%-4s %s\n", list[k].name, list[k].title);
+    for (int k = 0; only_list && k < FIGURES; k++)
+        printf("%-10s %-18s %s\n", list[k].suite ? list[k].suite : "", list[k].name, list[k].title);
     if (only_list) return EXIT_GOOD;
-    code = select_figures(count, words, wanted);
+    code = select_figures(count, words, suite, wanted);
     if (code) return code;
 
     long processors = sysconf(_SC_NPROCESSORS_ONLN);
