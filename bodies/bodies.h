@@ -24,8 +24,8 @@
 struct scree_record {
     double x[3], radius;       /* centre, m; radius of the ball at the centre or at each corner, m */
     double v[3], inverse_mass; /* m/s; 1/kg, 0 if forces can't move the centre */
-    double w[3], path;         /* spin, rad/s; way since the last list, m */
-    double f[3], limit;        /* impulse of the step, N s; largest tolerable overlap, m */
+    double w[3], limit;        /* spin, rad/s; largest tolerable overlap, m */
+    double f[3], path;         /* impulse of the step, N s; way since the last list, m */
     double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
 };
 

@@ -16,7 +16,10 @@
 
 #include <stdint.h>
 
-enum { SCREE_LANES = 16 }; /* contacts in a block: their work columns stay in the L1 cache */
+enum {
+    SCREE_LANES = 32,  /* contacts in a block: their work columns stay in the L1 cache */
+    SCREE_PADDING = 8, /* passes run over whole vectors: what columns hold is padded to a multiple of this */
+};
 
 /* Columns of pair constants: those of the normal law, then two of the friction law, then the lever of the rolling law, m. */
 enum {
@@ -50,36 +53,50 @@ struct scree_moments {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES]; /* N s^2, N m s^2 */
 };
 
-/* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. */
+/* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. What is kept of a
+ * contact lies in columns: only those that the laws use are there. */
 struct scree_batch {
     enum scree_geometry geometry;
     int rule;   /* index of the laws */
-    int memory; /* how many numbers of each contact laws may keep, from the first on */
+    int memory; /* how many numbers of each contact laws may keep, from the first on; of those that no law
+                      asks for there is no column */
     int turns;  /* all contacts can turn bodies: friction, rolling, or a box as partner; else only those of corners */
     int any_turns; /* some do */
     double slope;  /* of friction and rolling laws, s/m; 0 if none is regularised by velocity */
-    int uniform;   /* one set of pair constants serves all (made for the first block) */
+    int uniform;   /* one set of pair constants serves all (one block of them is made) */
     int count, capacity;
     struct scree_contact *contact;
-    double (*pair)[SCREE_PAIR_COLUMNS][SCREE_LANES]; /* per block, or one if uniform */
-    double (*kept)[SCREE_MEMORY][SCREE_LANES];       /* contact memory per block; NULL without */
-    struct scree_yield *yield;                       /* per block */
+    double *pair[SCREE_PAIR_COLUMNS];
+    int pair_capacity;
+    unsigned char keeps[SCREE_MEMORY]; /* which columns there are */
+    double *kept[SCREE_MEMORY];
+    struct scree_yield *yield; /* per block */
     /* For the pair-impulse method; NULL without it. */
     int impulses;
-    double (*past)[SCREE_PAST][SCREE_LANES];
-    struct scree_moments *moments;
+    double *past[SCREE_PAST];
+    struct scree_moments *moments; /* per block */
     /* The list before this one, from which memory is carried over. */
     int old_count;
     struct scree_contact *old_contact;
-    double (*old_kept)[SCREE_MEMORY][SCREE_LANES];
-    double (*old_past)[SCREE_PAST][SCREE_LANES];
+    double *old_kept[SCREE_MEMORY], *old_past[SCREE_PAST];
 };
+
+/* Number m of what laws keep of contact k. */
+static inline double scree_kept(const struct scree_batch *batch, int m, int k) {
+    return batch->kept[m] ? batch->kept[m][k] : 0.0;
+}
+
+/* Pair constant c of contact k. */
+static inline double scree_pair(const struct scree_batch *batch, int c, int k) {
+    return batch->pair[c][batch->uniform ? 0 : k];
+}
 
 struct scree_body_pair {
     int i, j; /* i < j */
 };
 
 struct scree_contacts {
+    const struct scree_loop *loop; /* for this processor */
     int materials;
     int rules;
     struct scree_rule *rule;

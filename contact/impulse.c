@@ -529,19 +529,18 @@ static struct vec turn_along(struct vec v, struct vec a, struct vec b) {
 /* A contact in the loop: where it is in its batch. */
 struct place {
     const struct scree_batch *batch;
-    int block, lane;
+    int index, block, lane;
 };
 
 static struct pair laws_of(const struct scree_contacts *contacts, struct place at) {
     const struct scree_rule *rule = &contacts->rule[at.batch->rule];
-    double(*columns)[SCREE_LANES] = at.batch->pair[at.batch->uniform ? 0 : at.block];
     struct pair p = {.normal = scree_normal_laws[rule->normal],
                      .friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL,
                      .normal_law = &rule->normal_constants,
                      .friction_law = &rule->friction_constants};
-    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) p.normal_pair.c[c] = columns[c][at.lane];
+    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) p.normal_pair.c[c] = scree_pair(at.batch, c, at.index);
     for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++)
-        p.friction_pair.c[c - SCREE_PAIR_FRICTION] = columns[c][at.lane];
+        p.friction_pair.c[c - SCREE_PAIR_FRICTION] = scree_pair(at.batch, c, at.index);
     p.reach = p.normal->reach ? p.normal->reach(p.normal_law, p.normal_pair) : 0.0;
     p.root = p.normal->root;
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
@@ -581,34 +580,32 @@ static double extrapolation(const struct pair *p, const struct instant *at) {
 
 static struct instant instant_of(const struct pair *p, struct place place, struct view now, struct vec velocity) {
     struct instant at = {.overlap = now.overlap, .velocity = velocity};
-    if (!place.batch->memory) return at;
-    double(*kept)[SCREE_LANES] = place.batch->kept[place.block];
-    int lane = place.lane;
+    double *const *kept = place.batch->kept;
+    int k = place.index;
     if (p->normal->memory) {
-        at.first = kept[SCREE_KEPT_NORMAL][lane];
-        at.second = kept[SCREE_KEPT_NORMAL + 1][lane];
+        at.first = kept[SCREE_KEPT_NORMAL][k];
+        at.second = kept[SCREE_KEPT_NORMAL + 1][k];
     }
     if (p->friction && p->friction->memory) {
-        struct vec stretch = vec(kept[0][lane], kept[1][lane], kept[2][lane]);
+        struct vec stretch = vec(kept[0][k], kept[1][k], kept[2][k]);
         at.stretch = scree_into_tangent_plane(stretch, now.normal);
-        at.sliding = kept[3][lane];
+        at.sliding = kept[3][k];
     }
     return at;
 }
 
 static void keep(const struct pair *p, struct place place, const struct instant *at) {
-    if (!place.batch->memory) return;
-    double(*kept)[SCREE_LANES] = place.batch->kept[place.block];
-    int lane = place.lane;
+    double *const *kept = place.batch->kept;
+    int k = place.index;
     if (p->normal->memory) {
-        kept[SCREE_KEPT_NORMAL][lane] = at->first;
-        kept[SCREE_KEPT_NORMAL + 1][lane] = at->second;
+        kept[SCREE_KEPT_NORMAL][k] = at->first;
+        kept[SCREE_KEPT_NORMAL + 1][k] = at->second;
     }
     if (p->friction && p->friction->memory) {
-        kept[0][lane] = at->stretch.x;
-        kept[1][lane] = at->stretch.y;
-        kept[2][lane] = at->stretch.z;
-        kept[3][lane] = at->sliding;
+        kept[0][k] = at->stretch.x;
+        kept[1][k] = at->stretch.y;
+        kept[2][k] = at->stretch.z;
+        kept[3][k] = at->sliding;
     }
 }
 
@@ -618,8 +615,16 @@ static void put(double column[3][SCREE_LANES], int lane, struct vec a) {
     column[2][lane] = a.z;
 }
 
-static struct vec get(double (*column)[SCREE_LANES], int lane) {
-    return vec(column[0][lane], column[1][lane], column[2][lane]);
+static struct vec past_of(const struct scree_batch *batch, int step, int k) {
+    double *const *past = batch->past + 3 * step;
+    return vec(past[0][k], past[1][k], past[2][k]);
+}
+
+static void keep_past(const struct scree_batch *batch, int step, int k, struct vec impulse) {
+    double *const *past = batch->past + 3 * step;
+    past[0][k] = impulse.x;
+    past[1][k] = impulse.y;
+    past[2][k] = impulse.z;
 }
 
 /* Impulse and moment on both bodies, in the directions of mid-step. */
@@ -627,7 +632,6 @@ static void write_yield(const struct yield *sum, struct view middle, struct vec 
                         struct place place) {
     struct scree_yield *yield = &place.batch->yield[place.block];
     struct scree_moments *moments = &place.batch->moments[place.block];
-    double(*past)[SCREE_LANES] = place.batch->past[place.block];
     int lane = place.lane;
     struct vec host_arm = vec_add(middle.arm, middle.apart);
     put(yield->impulse, lane, impulse);
@@ -636,8 +640,8 @@ static void write_yield(const struct yield *sum, struct view middle, struct vec 
     put(moments->impulse, lane, moment);
     put(moments->turn_ball, lane, vec_cross(middle.arm, moment));
     put(moments->turn_host, lane, vec_cross(moment, host_arm));
-    put(past + 3, lane, get(past, lane));
-    put(past, lane, impulse);
+    keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index));
+    keep_past(place.batch, 0, place.index, impulse);
     yield->lost_normal += sum->lost;
     yield->work_tangential += sum->rubbed;
 }
@@ -663,12 +667,12 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int idle(const struct scree_bodies *bodies, struct place place, double overlap) {
     const struct scree_batch *batch = place.batch;
-    const struct scree_contact *contact = &batch->contact[place.block * SCREE_LANES + place.lane];
+    const struct scree_contact *contact = &batch->contact[place.index];
     if (!(overlap + bodies->past[contact->ball].range + bodies->past[contact->host].range < 0.0)) return 0;
     for (int m = 0; m < SCREE_PAST; m++)
-        if (batch->past[place.block][m][place.lane] != 0.0) return 0;
-    for (int m = 0; batch->memory && m < SCREE_MEMORY; m++)
-        if (batch->kept[place.block][m][place.lane] != 0.0) return 0;
+        if (batch->past[m][place.index] != 0.0) return 0;
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (scree_kept(batch, m, place.index) != 0.0) return 0;
     return 1;
 }
 
@@ -686,7 +690,7 @@ static void write_nothing(struct place place) {
 static void impel(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_bodies *bodies_now, struct place place, double step) {
     const struct scree_batch *batch = place.batch;
-    const struct scree_contact *contact = &batch->contact[place.block * SCREE_LANES + place.lane];
+    const struct scree_contact *contact = &batch->contact[place.index];
     struct view now = view_of(bodies_now, contact, batch->geometry);
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     batch->yield[place.block].depth[place.lane] = now.overlap / (a->limit < b->limit ? a->limit : b->limit);
@@ -710,9 +714,8 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     struct yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p.normal_give > 0.0) {
         double more = extrapolation(&p, &at);
-        double(*past)[SCREE_LANES] = batch->past[place.block];
-        struct vec own =
-            vec_axpy(get(past, place.lane), more, vec_sub(get(past, place.lane), get(past + 3, place.lane)));
+        struct vec last = past_of(batch, 0, place.index);
+        struct vec own = vec_axpy(last, more, vec_sub(last, past_of(batch, 1, place.index)));
         p.a = vec_sub(acceleration(&ball, own, more, step), acceleration(&host, own, more, step));
         p.a = vec_add(p.a, drift(&ball, &host, now, middle, velocity, step));
         sum = act(&p, &at);
@@ -733,7 +736,7 @@ static void impel_block(const struct scree_contacts *contacts, const struct scre
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
     batch->yield[block].lost_normal = batch->yield[block].work_tangential = 0.0;
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++)
-        impel(contacts, bodies, now, (struct place){batch, block, lane}, step);
+        impel(contacts, bodies, now, (struct place){batch, block * SCREE_LANES + lane, block, lane}, step);
 }
 
 static void add_moments(struct scree_bodies *bodies, const struct scree_contact *contact,
@@ -795,7 +798,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
                 vec_store(vec_sub(vec_from(host->f[s]), impulse), host->f[s]);
                 vec_store(vec_add(vec_from(ball->t[s]), ball_turn), ball->t[s]);
                 vec_store(vec_add(vec_from(host->t[s]), host_turn), host->t[s]);
-                put(batch->past[k / SCREE_LANES] + 3 * s, k % SCREE_LANES, impulse);
+                keep_past(batch, s, k, impulse);
             }
         }
     }

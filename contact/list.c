@@ -8,36 +8,35 @@
 
 static size_t blocks_for(int count) { return ((size_t)count + SCREE_LANES - 1) / SCREE_LANES; }
 
+static int padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
+
+/* More room in an array; 0 if there is no memory, and then it stays as it was. What is new is zero, since passes run over it. */
+static int enlarge(void *array, int before, int after, size_t size) {
+    void **place = array, *memory = realloc(*place, (size_t)after * size);
+    if (!memory) return 0;
+    memset((char *)memory + (size_t)before * size, 0, (size_t)(after - before) * size);
+    *place = memory;
+    return 1;
+}
+
 static scree_status grow(struct scree_batch *batch, scree_trouble *trouble) {
-    int capacity = batch->capacity ? 2 * batch->capacity : SCREE_LANES;
-    size_t blocks = blocks_for(capacity);
-    struct scree_contact *contact = realloc(batch->contact, (size_t)capacity * sizeof *contact);
-    if (contact) batch->contact = contact;
-    struct scree_contact *old_contact = realloc(batch->old_contact, (size_t)capacity * sizeof *old_contact);
-    if (old_contact) batch->old_contact = old_contact;
-    void *pair = realloc(batch->pair, blocks * sizeof *batch->pair);
-    if (pair) batch->pair = pair;
-    struct scree_yield *yield = realloc(batch->yield, blocks * sizeof *yield);
-    if (yield) batch->yield = yield;
-    int ok = contact && old_contact && pair && yield;
-    if (batch->memory) {
-        void *kept = realloc(batch->kept, blocks * sizeof *batch->kept);
-        if (kept) batch->kept = kept;
-        void *old_kept = realloc(batch->old_kept, blocks * sizeof *batch->old_kept);
-        if (old_kept) batch->old_kept = old_kept;
-        ok = ok && kept && old_kept;
+    int before = batch->capacity, after = before ? 2 * before : SCREE_LANES, ok = 1;
+    ok &= enlarge(&batch->contact, before, after, sizeof *batch->contact);
+    ok &= enlarge(&batch->old_contact, before, after, sizeof *batch->old_contact);
+    ok &= enlarge(&batch->yield, (int)blocks_for(before), (int)blocks_for(after), sizeof *batch->yield);
+    for (int m = 0; m < SCREE_MEMORY; m++) {
+        if (!batch->keeps[m]) continue;
+        ok &= enlarge(&batch->kept[m], before, after, sizeof(double));
+        ok &= enlarge(&batch->old_kept[m], before, after, sizeof(double));
     }
-    if (batch->impulses) {
-        void *past = realloc(batch->past, blocks * sizeof *batch->past);
-        if (past) batch->past = past;
-        void *old_past = realloc(batch->old_past, blocks * sizeof *batch->old_past);
-        if (old_past) batch->old_past = old_past;
-        void *moments = realloc(batch->moments, blocks * sizeof *batch->moments);
-        if (moments) batch->moments = moments;
-        ok = ok && past && old_past && moments;
+    for (int m = 0; batch->impulses && m < SCREE_PAST; m++) {
+        ok &= enlarge(&batch->past[m], before, after, sizeof(double));
+        ok &= enlarge(&batch->old_past[m], before, after, sizeof(double));
     }
-    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", capacity);
-    batch->capacity = capacity;
+    if (batch->impulses)
+        ok &= enlarge(&batch->moments, (int)blocks_for(before), (int)blocks_for(after), sizeof *batch->moments);
+    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", after);
+    batch->capacity = after;
     return SCREE_OK;
 }
 
@@ -55,10 +54,9 @@ scree_status scree_contacts_remember(struct scree_batch *batch, const struct scr
                                      const double *past, scree_trouble *trouble) {
     int place = batch->count;
     scree_status status = add(batch, contact, trouble);
-    for (int m = 0; !status && m < batch->memory; m++)
-        batch->kept[place / SCREE_LANES][m][place % SCREE_LANES] = kept[m];
-    for (int m = 0; !status && batch->impulses && m < SCREE_PAST; m++)
-        batch->past[place / SCREE_LANES][m][place % SCREE_LANES] = past[m];
+    for (int m = 0; !status && m < SCREE_MEMORY; m++)
+        if (batch->keeps[m]) batch->kept[m][place] = kept[m];
+    for (int m = 0; !status && batch->impulses && m < SCREE_PAST; m++) batch->past[m][place] = past[m];
     return status;
 }
 
@@ -154,18 +152,16 @@ static void sort(struct scree_batch *batch) {
         }
 }
 
-/* Both lists are sorted, so one walk finds the contacts that go on. New ones start with empty memory. */
+/* Both lists are sorted, so one walk finds the contacts that go on. New ones start with empty memory, and so does the padding. */
 static void carry_memory_over(struct scree_batch *batch) {
-    for (int k = 0, old = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
-        int real = k < batch->count; /* the last block is filled up with zeros */
+    for (int k = 0, old = 0; k < padded(batch->count); k++) {
+        int real = k < batch->count;
         while (real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) < 0) old++;
         int same = real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) == 0;
-        for (int m = 0; m < batch->memory; m++)
-            batch->kept[k / SCREE_LANES][m][k % SCREE_LANES] =
-                same ? batch->old_kept[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
+        for (int m = 0; m < SCREE_MEMORY; m++)
+            if (batch->keeps[m]) batch->kept[m][k] = same ? batch->old_kept[m][old] : 0.0;
         for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
-            batch->past[k / SCREE_LANES][m][k % SCREE_LANES] =
-                same ? batch->old_past[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
+            batch->past[m][k] = same ? batch->old_past[m][old] : 0.0;
     }
 }
 
@@ -190,29 +186,50 @@ static struct columns constants_of(const struct scree_contacts *contacts, const 
     return columns;
 }
 
-/* The laws' constants for each pair of bodies; one block of them where all pairs have the same. */
-static void set_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                               struct scree_batch *batch) {
-    struct columns first = {{0.0}}, pair = first;
-    batch->uniform = 1;
-    for (int k = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
-        if (k < batch->count) pair = constants_of(contacts, bodies, batch, &batch->contact[k]);
-        if (k == 0) first = pair;
-        if (memcmp(&first, &pair, sizeof pair) != 0) batch->uniform = 0;
-        for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[k / SCREE_LANES][c][k % SCREE_LANES] = pair.c[c];
+/* What the constants of a pair depend on is the same for all contacts. */
+static int is_uniform(const struct scree_bodies *bodies, const struct scree_batch *batch) {
+    const struct scree_contact *first = batch->contact;
+    for (int k = 1; k < batch->count; k++) {
+        const struct scree_contact *one = &batch->contact[k];
+        const struct scree_record *a = &bodies->record[first->ball], *b = &bodies->record[first->host];
+        const struct scree_record *c = &bodies->record[one->ball], *d = &bodies->record[one->host];
+        if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
+            b->inverse_mass != d->inverse_mass)
+            return 0;
     }
+    return 1;
+}
+
+/* The laws' constants for each pair of bodies; one block of them where all pairs have the same. */
+static scree_status set_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                       struct scree_batch *batch, scree_trouble *trouble) {
+    batch->uniform = is_uniform(bodies, batch);
+    int count = batch->uniform ? SCREE_LANES : padded(batch->count), before = batch->pair_capacity, ok = 1;
+    if (batch->count == 0) return SCREE_OK;
+    int after = count > before ? (batch->uniform ? count : batch->capacity) : before;
+    for (int c = 0; c < SCREE_PAIR_COLUMNS && after > before; c++)
+        ok &= enlarge(&batch->pair[c], before, after, sizeof(double));
+    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the constants of %d contacts", after);
+    batch->pair_capacity = after;
+    struct columns pair = {{0.0}};
+    for (int k = 0; k < count; k++) {
+        if (k == 0 || (!batch->uniform && k < batch->count))
+            pair = constants_of(contacts, bodies, batch, &batch->contact[k]);
+        for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][k] = pair.c[c];
+    }
+    return SCREE_OK;
+}
+
+static void swap(void *one, void *other) {
+    void **a = one, **b = other, *c = *a;
+    *a = *b;
+    *b = c;
 }
 
 static void set_aside(struct scree_batch *batch) {
-    struct scree_contact *contact = batch->contact;
-    double(*kept)[SCREE_MEMORY][SCREE_LANES] = batch->kept;
-    batch->contact = batch->old_contact;
-    batch->old_contact = contact;
-    batch->kept = batch->old_kept;
-    batch->old_kept = kept;
-    double(*past)[SCREE_PAST][SCREE_LANES] = batch->past;
-    batch->past = batch->old_past;
-    batch->old_past = past;
+    swap(&batch->contact, &batch->old_contact);
+    for (int m = 0; m < SCREE_MEMORY; m++) swap(&batch->kept[m], &batch->old_kept[m]);
+    for (int m = 0; m < SCREE_PAST; m++) swap(&batch->past[m], &batch->old_past[m]);
     batch->old_count = batch->count;
     batch->count = 0;
     batch->any_turns = 0;
@@ -237,13 +254,14 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
         return status;
     }
     contacts->busy_batches = 0;
-    for (int k = 0; k < contacts->batches; k++) {
+    for (int k = 0; k < contacts->batches && !status; k++) {
         struct scree_batch *batch = &contacts->batch[k];
         if (batch->count) contacts->busy[contacts->busy_batches++] = k;
         sort(batch);
         if (batch->memory || batch->impulses) carry_memory_over(batch);
-        set_pair_constants(contacts, bodies, batch);
+        status = set_pair_constants(contacts, bodies, batch, trouble);
     }
+    if (status) return status;
     for (int k = 0; k < bodies->count; k++) bodies->record[k].path = 0.0;
     contacts->rebuilds++;
     return SCREE_OK;

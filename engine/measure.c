@@ -154,7 +154,7 @@ static uint64_t hash_memory(uint64_t hash, const struct scree_batch *batch) {
         double kept[SCREE_MEMORY];
         int something = 0;
         for (int m = 0; m < batch->memory; m++) {
-            kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
+            kept[m] = scree_kept(batch, m, k);
             something |= kept[m] != 0.0;
         }
         if (!something) continue;
@@ -170,7 +170,7 @@ static uint64_t hash_past(uint64_t hash, const struct scree_batch *batch) {
         double past[SCREE_PAST];
         int something = 0;
         for (int m = 0; m < SCREE_PAST; m++) {
-            past[m] = batch->past[k / SCREE_LANES][m][k % SCREE_LANES];
+            past[m] = batch->past[m][k];
             something |= past[m] != 0.0;
         }
         if (!something) continue;

@@ -200,9 +200,8 @@ static void put_memories(struct stream *s, const scree_scene *scene) {
             memset(&memory, 0, sizeof memory);
             memory.contact = batch->contact[k];
             memory.batch = b;
-            for (int m = 0; m < batch->memory; m++) memory.kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
-            for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
-                memory.past[m] = batch->past[k / SCREE_LANES][m][k % SCREE_LANES];
+            for (int m = 0; m < SCREE_MEMORY; m++) memory.kept[m] = scree_kept(batch, m, k);
+            for (int m = 0; batch->impulses && m < SCREE_PAST; m++) memory.past[m] = batch->past[m][k];
             put(s, &memory, sizeof memory);
         }
     }
