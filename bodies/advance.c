@@ -34,10 +34,12 @@ static void face(struct scree_bodies *bodies, int index, struct quat q) {
 }
 
 /* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
- * half a step from now. Written so that a NaN counts as too far. */
+ * half a step from now: then the path says so too. Written so that a NaN counts as too far. */
 static int outgrown(struct scree_record *record, double way, double margin) {
     record->path += way;
-    return !(record->path + 0.5 * way <= margin);
+    if (record->path + 0.5 * way <= margin) return 0;
+    record->path += 0.5 * way;
+    return 1;
 }
 
 static void clear_loads(struct scree_record *record) {

@@ -1,10 +1,17 @@
-/* All near contacts through one step: the loop over batches and blocks, and the adding up of what they yield. */
+/* All near contacts through one step.
+ *
+ * Segment 0 first: its blocks yield impulses by as many threads, and these are added to the bodies one after the other. Then slabs:
+ * those of even number, then those of odd number, whose contacts add straight to their bodies; no two slabs at work at
+ * the same time have a body in common. So every sum has one order, for any number of threads. A body is finished when the
+ * slab that it belongs to and the one before are. */
 #include "contact/loop.h"
 
 static int contacts_in_block(const struct scree_batch *batch, int block) {
-    int left = batch->count - block * SCREE_LANES;
+    int left = batch->segment[0].count - block * SCREE_LANES;
     return left < SCREE_LANES ? left : SCREE_LANES;
 }
+
+/* ---- segment 0 ---- */
 
 static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
                           const struct scree_yield *yield, int lane, int turns) {
@@ -20,22 +27,22 @@ static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contac
 }
 
 /* Keep the largest value so far, and whose it was. */
-static inline void note(double value, const struct scree_contact *contact, double *largest, int *ball, int *host) {
+static inline void note(double value, int ball_body, int host_body, double *largest, int *ball, int *host) {
     if (value <= *largest) return;
     *largest = value;
-    *ball = contact->ball;
-    *host = contact->host;
+    *ball = ball_body;
+    *host = host_body;
 }
 
 static inline void collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
                            const struct scree_batch *batch, int block) {
-    const struct scree_contact *contact = batch->contact + block * SCREE_LANES;
+    const struct scree_contact *contact = batch->contact + batch->segment[0].first + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+        int ball = bodies->number[contact[lane].ball], host = bodies->number[contact[lane].host];
         add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));
-        note(yield->depth[lane], &contact[lane], &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
-        note(yield->steep[lane], &contact[lane], &contacts->steepest, &contacts->steepest_ball,
-             &contacts->steepest_host);
+        note(yield->depth[lane], ball, host, &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
+        note(yield->steep[lane], ball, host, &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
     }
     if (contacts->measured) {
         contacts->lost_normal += yield->lost_normal;
@@ -48,26 +55,104 @@ void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies
     collect(contacts, bodies, batch, block);
 }
 
+static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_batch *batch, int block, double step) {
+    contacts->loop->act(contacts, bodies, batch, batch->segment[0].first + block * SCREE_LANES,
+                        contacts_in_block(batch, block), step, &batch->yield[block]);
+}
+
 /* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
-static void act_blocks(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
-                       int blocks, double step, int threads) {
-    if (threads > 1 && blocks > 64) {
+static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
+                      double step, int threads) {
+    int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
+    if (threads > 1 && blocks > 32) {
 #pragma omp parallel for schedule(static) num_threads(threads)
-        for (int block = 0; block < blocks; block++)
-            contacts->loop->act(contacts, bodies, batch, block * SCREE_LANES, contacts_in_block(batch, block), step,
-                                &batch->yield[block]);
+        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
     } else {
-        for (int block = 0; block < blocks; block++)
-            contacts->loop->act(contacts, bodies, batch, block * SCREE_LANES, contacts_in_block(batch, block), step,
-                                &batch->yield[block]);
+        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
+    }
+    for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
+}
+
+/* ---- slabs ---- */
+
+struct slabs {
+    struct scree_contacts *contacts;
+    struct scree_bodies *bodies;
+    double step;
+    scree_segment_work *work; /* with its argument */
+    void *argument;
+    scree_finish *finish; /* may be NULL */
+    void *context;
+};
+
+static void act_segment(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
+                        const struct scree_batch *batch, const struct scree_part *segment, double step,
+                        struct scree_tally *tally) {
+    (void)argument;
+    contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally);
+}
+
+static void finish_slab(const struct slabs *all, int slab) {
+    const int *start = all->bodies->order.start;
+    if (all->finish) all->finish(all->context, start[slab], start[slab + 1]);
+}
+
+static void act_slab(const struct slabs *all, int slab) {
+    struct scree_contacts *contacts = all->contacts;
+    struct scree_tally *tally = &contacts->tally[1 + slab];
+    *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1};
+    for (int k = 0; k < contacts->busy_batches; k++) {
+        const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
+        const struct scree_part *segment = &batch->segment[1 + slab];
+        if (segment->count) all->work(all->argument, contacts, all->bodies, batch, segment, all->step, tally);
+    }
+    if (slab == 0) finish_slab(all, 0);
+    if (slab % 2 == 0) return;
+    finish_slab(all, slab);
+    if (slab + 1 < all->bodies->order.slabs) finish_slab(all, slab + 1);
+}
+
+/* What slabs have summed up, in their order. */
+static void add_tallies(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    for (int s = 1; s <= bodies->order.slabs; s++) {
+        const struct scree_tally *tally = &contacts->tally[s];
+        contacts->lost_normal += tally->lost_normal;
+        contacts->work_tangential += tally->work_tangential;
+        if (tally->deepest_ball >= 0)
+            note(tally->deepest, bodies->number[tally->deepest_ball], bodies->number[tally->deepest_host],
+                 &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
+        if (tally->steepest_ball >= 0)
+            note(tally->steepest, bodies->number[tally->steepest_ball], bodies->number[tally->steepest_host],
+                 &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
     }
 }
 
-void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
-    for (int k = 0; k < contacts->busy_batches; k++) {
-        const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
-        int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
-        act_blocks(contacts, bodies, batch, blocks, step, threads);
-        for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
+static void act_slabs(const struct slabs *all, int threads) {
+    int slabs = all->bodies->order.slabs;
+    for (int parity = 0; parity < 2; parity++) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+        for (int slab = parity; slab < slabs; slab += 2) act_slab(all, slab);
     }
+    add_tallies(all->contacts, all->bodies);
+}
+
+void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                             scree_segment_work *work, void *argument) {
+    struct slabs all = {contacts, bodies, step, work, argument, NULL, NULL};
+    if (bodies->order.slabs) act_slabs(&all, threads);
+}
+
+void scree_contacts_act_and(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                            scree_finish *finish, void *context) {
+    struct slabs all = {contacts, bodies, step, act_segment, NULL, finish, context};
+    for (int k = 0; k < contacts->busy_batches; k++)
+        act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
+    int slabs = bodies->order.slabs;
+    if (slabs) act_slabs(&all, threads);
+    if (finish) finish(context, 0, slabs ? bodies->order.members : bodies->count);
+}
+
+void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
+    scree_contacts_act_and(contacts, bodies, step, threads, NULL, NULL);
 }

@@ -19,6 +19,8 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
         for (int geometry = 0; geometry < SCREE_GEOMETRIES; geometry++) {
             struct scree_batch *batch = &contacts->batch[contacts->batches];
             batch->geometry = (enum scree_geometry)geometry;
+            batch->segment = calloc(SCREE_SEGMENTS, sizeof *batch->segment);
+            if (!batch->segment) return SCREE_NO_MEMORY;
             batch->rule = rule;
             int keeps = scree_normal_laws[rules[rule].normal]->memory || (law && law->memory);
             batch->memory = rolling && rolling->memory ? SCREE_MEMORY : keeps ? SCREE_KEPT_ROLLING : 0;
@@ -45,7 +47,9 @@ static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
     contacts->next = malloc((bodies + 1) * sizeof *contacts->next);
     contacts->place = malloc(places * sizeof *contacts->place);
     contacts->start = malloc((bodies + 2) * sizeof *contacts->start);
-    int ok = contacts->level && contacts->key && contacts->next && contacts->place && contacts->start;
+    contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
+    int ok =
+        contacts->spare && contacts->level && contacts->key && contacts->next && contacts->place && contacts->start;
     return ok ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
@@ -79,18 +83,16 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         struct scree_batch *batch = &contacts->batch[k];
         free(batch->contact);
         free(batch->yield);
-        free(batch->old_contact);
+        free(batch->segment);
+        free(batch->outer);
         free(batch->moments);
         for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) free(batch->pair[m]);
-        for (int m = 0; m < SCREE_MEMORY; m++) {
-            free(batch->kept[m]);
-            free(batch->old_kept[m]);
-        }
-        for (int m = 0; m < SCREE_PAST; m++) {
-            free(batch->past[m]);
-            free(batch->old_past[m]);
-        }
+        for (int m = 0; m < SCREE_MEMORY; m++) free(batch->kept[m]);
+        for (int m = 0; m < SCREE_PAST; m++) free(batch->past[m]);
     }
+    scree_contacts_free_scratch(contacts);
+    free(contacts->index);
+    free(contacts->spare);
     free(contacts->rule);
     free(contacts->rule_of);
     free(contacts->batch);

@@ -526,10 +526,12 @@ static struct vec turn_along(struct vec v, struct vec a, struct vec b) {
     return vec_axpy(vec_add(v, once), 1.0 / (1.0 + vec_dot(a, b)), vec_cross(axis, once));
 }
 
-/* A contact in the loop: where it is in its batch. */
+/* A contact in the loop: where it is in its batch, and where its yield goes. */
 struct place {
     const struct scree_batch *batch;
-    int index, block, lane;
+    int index, lane; /* in the batch; in what follows */
+    struct scree_yield *yield;
+    struct scree_moments *moments;
 };
 
 static struct pair laws_of(const struct scree_contacts *contacts, struct place at) {
@@ -630,8 +632,8 @@ static void keep_past(const struct scree_batch *batch, int step, int k, struct v
 /* Impulse and moment on both bodies, in the directions of mid-step. */
 static void write_yield(const struct yield *sum, struct view middle, struct vec impulse, struct vec moment,
                         struct place place) {
-    struct scree_yield *yield = &place.batch->yield[place.block];
-    struct scree_moments *moments = &place.batch->moments[place.block];
+    struct scree_yield *yield = place.yield;
+    struct scree_moments *moments = place.moments;
     int lane = place.lane;
     struct vec host_arm = vec_add(middle.arm, middle.apart);
     put(yield->impulse, lane, impulse);
@@ -677,8 +679,8 @@ static int idle(const struct scree_bodies *bodies, struct place place, double ov
 }
 
 static void write_nothing(struct place place) {
-    struct scree_yield *yield = &place.batch->yield[place.block];
-    struct scree_moments *moments = &place.batch->moments[place.block];
+    struct scree_yield *yield = place.yield;
+    struct scree_moments *moments = place.moments;
     for (int k = 0; k < 3; k++) {
         yield->impulse[k][place.lane] = yield->turn_ball[k][place.lane] = yield->turn_host[k][place.lane] = 0.0;
         moments->impulse[k][place.lane] = moments->turn_ball[k][place.lane] = moments->turn_host[k][place.lane] = 0.0;
@@ -693,7 +695,7 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     const struct scree_contact *contact = &batch->contact[place.index];
     struct view now = view_of(bodies_now, contact, batch->geometry);
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
-    batch->yield[place.block].depth[place.lane] = now.overlap / (a->limit < b->limit ? a->limit : b->limit);
+    place.yield->depth[place.lane] = now.overlap / (a->limit < b->limit ? a->limit : b->limit);
     if (idle(bodies, place, now.overlap)) {
         write_nothing(place);
         return;
@@ -724,52 +726,111 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     struct vec impulse = turn_along(sum.impulse, now.normal, middle.normal);
     write_yield(&sum, middle, impulse, turn_along(sum.moment, now.normal, middle.normal), place);
     double steep = batch->slope * vec_dot(impulse, middle.normal) * 4.0 * (a->inverse_mass + b->inverse_mass);
-    batch->yield[place.block].steep[place.lane] = steep;
+    place.yield->steep[place.lane] = steep;
 }
 
 static int contacts_in_block(const struct scree_batch *batch, int block) {
-    int left = batch->count - block * SCREE_LANES;
+    int left = batch->segment[0].count - block * SCREE_LANES;
     return left < SCREE_LANES ? left : SCREE_LANES;
 }
 
 static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
     batch->yield[block].lost_normal = batch->yield[block].work_tangential = 0.0;
-    for (int lane = 0; lane < contacts_in_block(batch, block); lane++)
-        impel(contacts, bodies, now, (struct place){batch, block * SCREE_LANES + lane, block, lane}, step);
+    for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+        int index = batch->segment[0].first + block * SCREE_LANES + lane;
+        impel(contacts, bodies, now, (struct place){batch, index, lane, &batch->yield[block], &batch->moments[block]},
+              step);
+    }
 }
 
+/* `hosts` 0: the partner is frozen. */
 static void add_moments(struct scree_bodies *bodies, const struct scree_contact *contact,
-                        const struct scree_moments *moments, int lane, int turns) {
+                        const struct scree_moments *moments, int lane, int turns, int hosts) {
     struct scree_past *ball = &bodies->past[contact->ball], *host = &bodies->past[contact->host];
     for (int k = 0; k < 3; k++) {
         ball->moment[k] += moments->impulse[k][lane];
-        host->moment[k] -= moments->impulse[k][lane];
+        if (hosts) host->moment[k] -= moments->impulse[k][lane];
         if (!turns) continue;
         ball->turn_moment[k] += moments->turn_ball[k][lane];
-        host->turn_moment[k] += moments->turn_host[k][lane];
+        if (hosts) host->turn_moment[k] += moments->turn_host[k][lane];
+    }
+}
+
+static void add_impulses(struct scree_bodies *bodies, const struct scree_contact *contact,
+                         const struct scree_yield *yield, int turns, int hosts) {
+    struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    for (int k = 0; k < 3; k++) {
+        ball->f[k] += yield->impulse[k][0];
+        if (hosts) host->f[k] -= yield->impulse[k][0];
+        if (!turns) continue;
+        ball->t[k] += yield->turn_ball[k][0];
+        if (hosts) host->t[k] += yield->turn_host[k][0];
+    }
+}
+
+static void tally_up(const struct scree_contact *contact, const struct scree_yield *yield, struct scree_tally *tally) {
+    tally->lost_normal += yield->lost_normal;
+    tally->work_tangential += yield->work_tangential;
+    if (!(yield->depth[0] <= tally->deepest)) {
+        tally->deepest = yield->depth[0];
+        tally->deepest_ball = contact->ball;
+        tally->deepest_host = contact->host;
+    }
+    if (!(yield->steep[0] <= tally->steepest)) {
+        tally->steepest = yield->steep[0];
+        tally->steepest_ball = contact->ball;
+        tally->steepest_host = contact->host;
+    }
+}
+
+/* One step's arguments, for slabs. */
+struct stride {
+    const struct scree_bodies *now;
+};
+
+static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
+                          const struct scree_batch *batch, const struct scree_part *segment, double step,
+                          struct scree_tally *tally) {
+    const struct stride *stride = context;
+    struct scree_yield yield;
+    struct scree_moments moments;
+    int hosts = batch->geometry == SCREE_BALL_BALL;
+    for (int k = segment->first; k < segment->first + segment->count; k++) {
+        const struct scree_contact *contact = &batch->contact[k];
+        int turns = scree_contact_turns(batch, contact);
+        yield.lost_normal = yield.work_tangential = 0.0;
+        impel(contacts, bodies, stride->now, (struct place){batch, k, 0, &yield, &moments}, step);
+        add_impulses(bodies, contact, &yield, turns, hosts);
+        add_moments(bodies, contact, &moments, 0, turns, hosts);
+        tally_up(contact, &yield, tally);
+    }
+}
+
+static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
+                        const struct scree_batch *batch, double step, int threads) {
+    int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
+    if (threads > 1 && blocks > 8) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
+    } else {
+        for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
+    }
+    for (int block = 0; block < blocks; block++) {
+        scree_contacts_collect(contacts, bodies, batch, block);
+        for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+            const struct scree_contact *contact = &batch->contact[batch->segment[0].first + block * SCREE_LANES + lane];
+            add_moments(bodies, contact, &batch->moments[block], lane, scree_contact_turns(batch, contact), 1);
+        }
     }
 }
 
 void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                           double step, int threads) {
-    for (int k = 0; k < contacts->busy_batches; k++) {
-        const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
-        int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
-        if (threads > 1 && blocks > 8) {
-#pragma omp parallel for schedule(static) num_threads(threads)
-            for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
-        } else {
-            for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
-        }
-        for (int block = 0; block < blocks; block++) {
-            scree_contacts_collect(contacts, bodies, batch, block);
-            for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
-                const struct scree_contact *contact = &batch->contact[block * SCREE_LANES + lane];
-                add_moments(bodies, contact, &batch->moments[block], lane, scree_contact_turns(batch, contact));
-            }
-        }
-    }
+    struct stride stride = {now};
+    for (int k = 0; k < contacts->busy_batches; k++)
+        impel_loose(contacts, bodies, now, &contacts->batch[contacts->busy[k]], step, threads);
+    scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride);
 }
 
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps) {
@@ -782,7 +843,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
     for (int k = 0; k < bodies->count; k++) memset(&bodies->past[k], 0, sizeof bodies->past[k]);
     for (int b = 0; b < contacts->batches; b++) {
         struct scree_batch *batch = &contacts->batch[b];
-        for (int k = 0; k < batch->count; k++) {
+        for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) {
             struct scree_touch touch;
             if (!scree_contacts_measure(contacts, now, b, k, &touch)) continue;
             struct vec force = vec_axpy(touch.tangential, touch.normal_force, touch.normal);

@@ -328,8 +328,11 @@ static void write_yield(const struct block *b, int count, const struct scree_bat
 }
 
 /* What the contacts took out of the motion during the step. Summed lane by lane: a fixed order. */
-static void measure_losses(const struct block *b, int count, double step, int friction, int rolls, int snaps,
-                           struct scree_yield *yield) {
+struct losses {
+    double normal, tangential;
+};
+
+static struct losses measure_losses(const struct block *b, int count, double step, int friction, int rolls, int snaps) {
     double normal = 0.0, tangential = 0.0;
     for (int k = 0; k < count; k++) {
         normal += step * (b->force[k] - b->reversible[k]) * b->closing[k];
@@ -339,8 +342,7 @@ static void measure_losses(const struct block *b, int count, double step, int fr
                                   b->friction[2][k] * b->slip[2][k]);
     }
     for (int k = 0; rolls && k < count; k++) tangential += step * b->power[k];
-    yield->lost_normal = normal;
-    yield->work_tangential = tangential;
+    return (struct losses){normal, tangential};
 }
 
 /* All passes but the last. */
@@ -364,10 +366,126 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
     int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
     press(contacts, bodies, batch, first, count, step, &b);
     write_yield(&b, count, batch, friction, rolls, step, yield);
-    if (contacts->measured) measure_losses(&b, count, step, friction, rolls, snaps, yield);
+    if (!contacts->measured) return;
+    struct losses losses = measure_losses(&b, count, step, friction, rolls, snaps);
+    yield->lost_normal = losses.normal;
+    yield->work_tangential = losses.tangential;
+}
+
+/* ---- straight into the bodies ---- */
+
+/* Impulse and angular impulses as rows, to be added to those of body records; the fourth numbers are zero. */
+struct kicks {
+    double impulse[SCREE_LANES][4], turn_ball[SCREE_LANES][4], turn_host[SCREE_LANES][4];
+};
+
+static inline void put_row(double to[4], struct vec a) {
+    to[0] = a.x;
+    to[1] = a.y;
+    to[2] = a.z;
+    to[3] = 0.0;
+}
+
+static inline void make_rows(const struct block *b, int count, double step, int friction, int turns, int rolls,
+                             struct kicks *kicks) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct kick kick = kick_of(b, k, step, friction, turns, rolls);
+        put_row(kicks->impulse[k], kick.impulse);
+        if (!turns) continue;
+        put_row(kicks->turn_ball[k], kick.turn_ball);
+        put_row(kicks->turn_host[k], kick.turn_host);
+    }
+}
+
+/* `hosts`: partners are pushed too; else they are frozen, and several slabs have them in common. */
+static inline void add_rows(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
+                            int hosts, const struct kicks *kicks) {
+    for (int k = 0; k < count; k++) {
+        struct scree_record *ball = &bodies->record[contact[k].ball], *host = &bodies->record[contact[k].host];
+        *(row *)ball->f += *(const row *)kicks->impulse[k];
+        if (hosts) *(row *)host->f -= *(const row *)kicks->impulse[k];
+        if (!turns) continue;
+        *(row *)ball->t += *(const row *)kicks->turn_ball[k];
+        if (hosts) *(row *)host->t += *(const row *)kicks->turn_host[k];
+    }
+}
+
+static void push(const struct block *b, struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                 const struct scree_batch *batch, int friction, int rolls, double step) {
+    struct kicks kicks;
+    int hosts = batch->geometry == SCREE_BALL_BALL;
+    if (rolls)
+        make_rows(b, count, step, friction, 1, 1, &kicks);
+    else if (friction)
+        make_rows(b, count, step, 1, 1, 0, &kicks);
+    else
+        make_rows(b, count, step, 0, 0, 0, &kicks);
+    if (friction || rolls) {
+        if (hosts)
+            add_rows(bodies, contact, count, 1, 1, &kicks);
+        else
+            add_rows(bodies, contact, count, 1, 0, &kicks);
+        return;
+    }
+    add_rows(bodies, contact, count, 0, hosts, &kicks);
+}
+
+/* Limit of the overlap in a lane, m. */
+static inline double limit_of(const struct block *b, int k) {
+    return b->ball_spin[k][3] < b->host_spin[k][3] ? b->ball_spin[k][3] : b->host_spin[k][3];
+}
+
+/* The deepest overlap; a block without one that can be deeper than those before is done with quickly. */
+static void note_depths(const struct block *b, const struct scree_contact *contact, int count,
+                        struct scree_tally *tally) {
+    double most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
+    int deeper = 0;
+    _Pragma("omp simd reduction(| : deeper)")
+    for (int k = 0; k < padded(count); k++) deeper |= !(b->overlap[k] <= most * limit_of(b, k));
+    for (int k = 0; deeper && k < count; k++) {
+        double depth = b->overlap[k] / limit_of(b, k);
+        if (depth <= tally->deepest) continue;
+        tally->deepest = depth;
+        tally->deepest_ball = contact[k].ball;
+        tally->deepest_host = contact[k].host;
+    }
+}
+
+/* The steepest friction, of laws that have a slope. */
+static void note_slopes(const struct block *b, const struct scree_contact *contact, int count, double slope,
+                        double step, struct scree_tally *tally) {
+    for (int k = 0; k < count; k++) {
+        double steep = step * slope * b->force[k] * (4.0 * b->rush[k][3]);
+        if (steep <= tally->steepest) continue;
+        tally->steepest = steep;
+        tally->steepest_ball = contact[k].ball;
+        tally->steepest_host = contact[k].host;
+    }
+}
+
+static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
+                         const struct scree_batch *batch, int first, int count, double step,
+                         struct scree_tally *tally) {
+    struct block b;
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
+    for (int done = 0; done < count; done += SCREE_LANES) {
+        int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
+        const struct scree_contact *contact = batch->contact + first + done;
+        press(contacts, bodies, batch, first + done, here, step, &b);
+        push(&b, bodies, contact, here, batch, friction, rolls, step);
+        note_depths(&b, contact, here, tally);
+        if (batch->slope != 0.0) note_slopes(&b, contact, here, batch->slope, step, tally);
+        if (contacts->measured) {
+            struct losses losses = measure_losses(&b, here, step, friction, rolls, snaps);
+            tally->lost_normal += losses.normal;
+            tally->work_tangential += losses.tangential;
+        }
+    }
 }
 
 #define NAME_OF(loop) #loop
 #define NAMED(loop)   NAME_OF(loop)
 #define PREFIX        (sizeof "scree_loop_" - 1)
-const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act};
+const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight};

@@ -9,6 +9,9 @@ struct scree_loop {
     /* Contacts first … first + count - 1 (at most SCREE_LANES) of a batch through one step: what they yield. */
     void (*act)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield);
+    /* As many contacts of a slab, added straight to their bodies and to the tally. */
+    void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
+                         const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally);
 };
 
 extern const struct scree_loop scree_loop_baseline, scree_loop_avx2, scree_loop_avx512;

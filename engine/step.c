@@ -22,6 +22,8 @@ static scree_status stop(scree_scene *scene, int body, int other, const char *ca
 
 static int is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
 
+static int threads_of(const scree_scene *scene) { return scene->time.threads > 0 ? scene->time.threads : 1; }
+
 /* A list that has outlived its margin is made anew; before, the bodies that moved are looked at: where a number isn't
  * finite, or a body crosses in one step what the list keeps watch over, no list can help. */
 static scree_status renew_list(scree_scene *scene) {
@@ -29,7 +31,7 @@ static scree_status renew_list(scree_scene *scene) {
     for (int k = 0; k < bodies->count; k++) {
         const struct scree_record *record = &bodies->record[k];
         if (!is_finite(record->x) || !is_finite(record->v) || !is_finite(record->w))
-            return stop(scene, k, -1,
+            return stop(scene, bodies->number[k], -1,
                         "its position or velocity is no longer a finite number; the step is too large or a "
                         "contact too stiff");
         int plane = bodies->shape[k].kind == SCREE_PLANE; /* turns about its normal only */
@@ -37,7 +39,7 @@ static scree_status renew_list(scree_scene *scene) {
         double hasty = speed * scene->step / scene->contacts.skin;
         if (hasty > scene->hasty) {
             scene->hasty = hasty;
-            scene->hastiest = k;
+            scene->hastiest = bodies->number[k];
         }
         if (hasty > 1.0) {
             char cause[200];
@@ -46,18 +48,18 @@ static scree_status renew_list(scree_scene *scene) {
                 "it moves, or its tips do, %.3g m in one step, more than the list of contacts looks ahead (%.3g m): "
                 "it could pass through others unnoticed; take a smaller step",
                 speed * scene->step, scene->contacts.skin);
-            return stop(scene, k, -1, cause);
+            return stop(scene, bodies->number[k], -1, cause);
         }
     }
-    return scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+    return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
 static scree_status check_depth(scree_scene *scene) {
     const struct scree_contacts *contacts = &scene->contacts;
     if (contacts->deepest <= 1.0) return SCREE_OK;
     char cause[160];
-    double limit =
-        fmin(scene->bodies.record[contacts->deepest_ball].limit, scene->bodies.record[contacts->deepest_host].limit);
+    int ball = scene->bodies.place[contacts->deepest_ball], host = scene->bodies.place[contacts->deepest_host];
+    double limit = fmin(scene->bodies.record[ball].limit, scene->bodies.record[host].limit);
     snprintf(cause, sizeof cause,
              "overlap of %.3g m, beyond half a half-width (%.3g m): too soft, too fast or too long a step",
              contacts->deepest * limit, limit);
@@ -91,23 +93,31 @@ static scree_status step_by_impulses(scree_scene *scene) {
         scree_status status = renew_list(scene);
         if (status) return status;
     }
-    scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, scene->time.threads);
+    scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, threads_of(scene));
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance_by_moments(bodies, time, step, gravity);
     scene->steps++;
     return check_depth(scene);
 }
 
+/* From time to time the bodies are put in order; when, is a function of the state. */
+static scree_status keep_order(scree_scene *scene) {
+    if (scene->steps % 512 != 0 || scene->steps == 0) return SCREE_OK;
+    return scree_contacts_keep_order(&scene->contacts, &scene->bodies, &scene->trouble);
+}
+
 static scree_status step_once(scree_scene *scene) {
+    scree_status status = keep_order(scene);
+    if (status) return status;
     if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step, gravity[3];
     scree_gravity_at(scene, time + 0.5 * step, gravity);
     if (scree_bodies_look_ahead(bodies, time, step, gravity, 0.5 * scene->contacts.skin)) {
-        scree_status status = renew_list(scene);
+        status = renew_list(scene);
         if (status) return status;
     }
-    scree_contacts_act(&scene->contacts, bodies, step, scene->time.threads);
+    scree_contacts_act(&scene->contacts, bodies, step, threads_of(scene));
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance(bodies, time, step, gravity);
     scene->steps++;
