@@ -24,13 +24,31 @@ static int padded(int count) { return (count + WIDTH - 1) & -WIDTH; }
 /* A row of a body record, for arithmetic on all four numbers at once. */
 typedef double row __attribute__((vector_size(32), aligned(8), may_alias));
 
+#ifdef __AVX__
+/* Four rows to four columns, or back. */
+static inline void transpose(row r[4]) {
+    row a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+    row c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+    r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+    r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+    r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
+static inline void store_columns(row r[4], double (*column)[SCREE_LANES], int lane) {
+    transpose(r);
+    for (int i = 0; i < 4; i++) *(row *)&column[i][lane] = r[i];
+}
+#endif
+
 /* Columns of one block of contacts. */
 struct block {
-    double shift[SCREE_LANES][4]; /* rows: from the host's centre to the ball body's, m; sum of radii */
-    double rush[SCREE_LANES][4];  /* velocity of the ball's centre against the host's, m/s; sum of inverse masses */
-    double ball_spin[SCREE_LANES][4], host_spin[SCREE_LANES][4]; /* rad/s; largest tolerable overlap, m */
-    double radius[SCREE_LANES];                                  /* of the ball, m */
-    double n[3][SCREE_LANES];                                    /* unit normal, from the host towards the ball */
+    double shift[4][SCREE_LANES];     /* from the host's centre to the ball body's, m; sum of radii */
+    double rush[4][SCREE_LANES];      /* velocity of the ball's centre against the host's, m/s; sum of inverse masses */
+    double ball_spin[4][SCREE_LANES]; /* rad/s; largest tolerable overlap, m */
+    double host_spin[4][SCREE_LANES];
+    double radius[SCREE_LANES];      /* of the ball, m */
+    double n[3][SCREE_LANES];        /* unit normal, from the host towards the ball */
     double corner[3][SCREE_LANES];   /* from the ball body's centre to the ball, m; boxes only */
     double arm[3][SCREE_LANES];      /* from the ball body's centre to the middle of the overlap, m */
     double overlap[SCREE_LANES];     /* m */
@@ -45,7 +63,7 @@ struct block {
     double power[SCREE_LANES];       /* that it takes from the motion, W */
 };
 
-static inline void put(double column[3][SCREE_LANES], int lane, struct vec a) {
+static inline void put(double (*column)[SCREE_LANES], int lane, struct vec a) {
     column[0][lane] = a.x;
     column[1][lane] = a.y;
     column[2][lane] = a.z;
@@ -63,17 +81,52 @@ static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
 
 /* ---- gather ---- */
 
-/* The fourth numbers of the rows are added instead of subtracted: sums of radii and of inverse masses. */
-static void fetch(const struct scree_bodies *bodies, const struct scree_contact *contact, int count, struct block *b) {
+#ifdef __AVX__
+/* Contacts lane … lane + 3. The fourth numbers of the rows are added instead of subtracted: sums of radii and of inverse masses. */
+static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
+                              struct block *b) {
     const row sign = {1.0, 1.0, 1.0, -1.0};
-    for (int lane = 0; lane < padded(count); lane++) {
-        const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
-        const struct scree_record *ball = &bodies->record[one->ball], *host = &bodies->record[one->host];
-        *(row *)b->shift[lane] = *(const row *)ball->x - *(const row *)host->x * sign;
-        *(row *)b->rush[lane] = *(const row *)ball->v - *(const row *)host->v * sign;
-        *(row *)b->ball_spin[lane] = *(const row *)ball->w;
-        *(row *)b->host_spin[lane] = *(const row *)host->w;
-        b->radius[lane] = ball->radius;
+    row shift[4], rush[4], ball_spin[4], host_spin[4];
+    for (int i = 0; i < 4; i++) {
+        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
+        shift[i] = *(const row *)ball->x - *(const row *)host->x * sign;
+        rush[i] = *(const row *)ball->v - *(const row *)host->v * sign;
+        ball_spin[i] = *(const row *)ball->w;
+        host_spin[i] = *(const row *)host->w;
+        b->radius[lane + i] = ball->radius;
+    }
+    store_columns(shift, b->shift, lane);
+    store_columns(rush, b->rush, lane);
+    store_columns(ball_spin, b->ball_spin, lane);
+    store_columns(host_spin, b->host_spin, lane);
+}
+
+#else
+/* Processors without such rows: number by number, which compilers do better than rows in halves. */
+static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
+                              struct block *b) {
+    for (int i = 0; i < 4; i++) {
+        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
+        for (int k = 0; k < 3; k++) {
+            b->shift[k][lane + i] = ball->x[k] - host->x[k];
+            b->rush[k][lane + i] = ball->v[k] - host->v[k];
+            b->ball_spin[k][lane + i] = ball->w[k];
+            b->host_spin[k][lane + i] = host->w[k];
+        }
+        b->radius[lane + i] = ball->radius;
+        b->shift[3][lane + i] = ball->radius + host->radius;
+        b->rush[3][lane + i] = ball->inverse_mass + host->inverse_mass;
+        b->ball_spin[3][lane + i] = ball->limit;
+        b->host_spin[3][lane + i] = host->limit;
+    }
+}
+#endif
+
+static void fetch(const struct scree_bodies *bodies, const struct scree_contact *contact, int count, struct block *b) {
+    for (int lane = 0; lane < padded(count); lane += 4) {
+        const struct scree_contact *four[4];
+        for (int i = 0; i < 4; i++) four[i] = &contact[lane + i < count ? lane + i : count - 1];
+        fetch_four(bodies->record, four, lane, b);
     }
 }
 
@@ -81,8 +134,8 @@ static void meet_balls(int count, struct block *b) {
     const struct vec origin = {0.0, 0.0, 0.0};
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        struct vec apart = vec(b->shift[k][0], b->shift[k][1], b->shift[k][2]);
-        struct scree_meeting m = scree_meet_ball(apart, b->shift[k][3], origin, 0.0);
+        struct vec apart = vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]);
+        struct scree_meeting m = scree_meet_ball(apart, b->shift[3][k], origin, 0.0);
         put(b->n, k, m.normal);
         b->overlap[k] = m.overlap;
     }
@@ -108,10 +161,10 @@ static inline void move_all(int count, int corners, struct block *b) {
         struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
         struct vec corner = corners ? vec(b->corner[0][k], b->corner[1][k], b->corner[2][k]) : vec(0.0, 0.0, 0.0);
         struct scree_gait gait =
-            scree_gait_of(n, b->overlap[k], b->radius[k], corner, vec(b->shift[k][0], b->shift[k][1], b->shift[k][2]),
-                          vec(b->rush[k][0], b->rush[k][1], b->rush[k][2]),
-                          vec(b->ball_spin[k][0], b->ball_spin[k][1], b->ball_spin[k][2]),
-                          vec(b->host_spin[k][0], b->host_spin[k][1], b->host_spin[k][2]));
+            scree_gait_of(n, b->overlap[k], b->radius[k], corner, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]),
+                          vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
+                          vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]),
+                          vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
         put(b->arm, k, gait.arm);
         put(b->slip, k, gait.slip);
         b->closing[k] = gait.closing;
@@ -219,8 +272,8 @@ SCREE_FRICTION_LAWS(FRICTION_PASS)
 
 /* Columns for the rolling laws: lever x angular velocity of the ball against the host, m/s. */
 static inline struct vec turning_at(const struct block *b, int k, double lever) {
-    return vec_scale(lever, vec(b->ball_spin[k][0] - b->host_spin[k][0], b->ball_spin[k][1] - b->host_spin[k][1],
-                                b->ball_spin[k][2] - b->host_spin[k][2]));
+    return vec_scale(lever, vec(b->ball_spin[0][k] - b->host_spin[0][k], b->ball_spin[1][k] - b->host_spin[1][k],
+                                b->ball_spin[2][k] - b->host_spin[2][k]));
 }
 
 /* One pass per rolling law: rolling, then twisting, at the lever of the pair. */
@@ -286,7 +339,7 @@ static inline struct kick kick_of(const struct block *b, int k, double step, int
     kick.impulse = j;
     if (!turns) return kick;
     struct vec arm = vec(b->arm[0][k], b->arm[1][k], b->arm[2][k]);
-    struct vec reach = vec_add(arm, vec(b->shift[k][0], b->shift[k][1], b->shift[k][2]));
+    struct vec reach = vec_add(arm, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]));
     kick.turn_ball = vec_cross(arm, j);
     kick.turn_host = vec(reach.z * j.y - reach.y * j.z, reach.x * j.z - reach.z * j.x, reach.y * j.x - reach.x * j.y);
     if (!rolls) return kick;
@@ -320,10 +373,10 @@ static void write_yield(const struct block *b, int count, const struct scree_bat
         write_kicks(b, count, step, 0, 0, 0, yield);
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        double limit = b->ball_spin[k][3] < b->host_spin[k][3] ? b->ball_spin[k][3] : b->host_spin[k][3];
+        double limit = b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
         yield->depth[k] = b->overlap[k] / limit;
         /* A ball's rotation makes it 3.5 times as soft as its mass, four corners that share a load four times. */
-        yield->steep[k] = step * batch->slope * b->force[k] * (4.0 * b->rush[k][3]);
+        yield->steep[k] = step * batch->slope * b->force[k] * (4.0 * b->rush[3][k]);
     }
 }
 
@@ -374,66 +427,87 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
 
 /* ---- straight into the bodies ---- */
 
-/* Impulse and angular impulses as rows, to be added to those of body records; the fourth numbers are zero. */
+/* Columns of impulses and angular impulses; those of their fourth rows are zero. */
 struct kicks {
-    double impulse[SCREE_LANES][4], turn_ball[SCREE_LANES][4], turn_host[SCREE_LANES][4];
+    double impulse[4][SCREE_LANES], turn_ball[4][SCREE_LANES], turn_host[4][SCREE_LANES];
 };
 
-static inline void put_row(double to[4], struct vec a) {
-    to[0] = a.x;
-    to[1] = a.y;
-    to[2] = a.z;
-    to[3] = 0.0;
-}
-
-static inline void make_rows(const struct block *b, int count, double step, int friction, int turns, int rolls,
-                             struct kicks *kicks) {
+static inline void make_kicks(const struct block *b, int count, double step, int friction, int turns, int rolls,
+                              struct kicks *kicks) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct kick kick = kick_of(b, k, step, friction, turns, rolls);
-        put_row(kicks->impulse[k], kick.impulse);
+        put(kicks->impulse, k, kick.impulse);
         if (!turns) continue;
-        put_row(kicks->turn_ball[k], kick.turn_ball);
-        put_row(kicks->turn_host[k], kick.turn_host);
+        put(kicks->turn_ball, k, kick.turn_ball);
+        put(kicks->turn_host, k, kick.turn_host);
     }
 }
 
 /* `hosts`: partners are pushed too; else they are frozen, and several slabs have them in common. */
-static inline void add_rows(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
-                            int hosts, const struct kicks *kicks) {
-    for (int k = 0; k < count; k++) {
-        struct scree_record *ball = &bodies->record[contact[k].ball], *host = &bodies->record[contact[k].host];
-        *(row *)ball->f += *(const row *)kicks->impulse[k];
-        if (hosts) *(row *)host->f -= *(const row *)kicks->impulse[k];
-        if (!turns) continue;
-        *(row *)ball->t += *(const row *)kicks->turn_ball[k];
-        if (hosts) *(row *)host->t += *(const row *)kicks->turn_host[k];
+#ifdef __AVX__
+static inline void load_rows(double (*column)[SCREE_LANES], int lane, row r[4]) {
+    for (int i = 0; i < 3; i++) r[i] = *(const row *)&column[i][lane];
+    r[3] = (row){0.0, 0.0, 0.0, 0.0};
+    transpose(r);
+}
+
+static inline void add_kicks(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
+                             int hosts, struct kicks *kicks) {
+    for (int lane = 0; lane < count; lane += 4) {
+        row impulse[4], turn_ball[4], turn_host[4];
+        load_rows(kicks->impulse, lane, impulse);
+        if (turns) load_rows(kicks->turn_ball, lane, turn_ball);
+        if (turns && hosts) load_rows(kicks->turn_host, lane, turn_host);
+        for (int i = 0; i < 4 && lane + i < count; i++) {
+            struct scree_record *ball = &bodies->record[contact[lane + i].ball];
+            struct scree_record *host = &bodies->record[contact[lane + i].host];
+            *(row *)ball->f += impulse[i];
+            if (turns) *(row *)ball->t += turn_ball[i];
+            if (!hosts) continue;
+            *(row *)host->f -= impulse[i];
+            if (turns) *(row *)host->t += turn_host[i];
+        }
     }
 }
+#else
+static inline void add_kicks(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
+                             int hosts, struct kicks *kicks) {
+    for (int lane = 0; lane < count; lane++) {
+        struct scree_record *ball = &bodies->record[contact[lane].ball];
+        struct scree_record *host = &bodies->record[contact[lane].host];
+        for (int k = 0; k < 3; k++) {
+            ball->f[k] += kicks->impulse[k][lane];
+            if (turns) ball->t[k] += kicks->turn_ball[k][lane];
+            if (!hosts) continue;
+            host->f[k] -= kicks->impulse[k][lane];
+            if (turns) host->t[k] += kicks->turn_host[k][lane];
+        }
+    }
+}
+#endif
 
 static void push(const struct block *b, struct scree_bodies *bodies, const struct scree_contact *contact, int count,
                  const struct scree_batch *batch, int friction, int rolls, double step) {
     struct kicks kicks;
     int hosts = batch->geometry == SCREE_BALL_BALL;
     if (rolls)
-        make_rows(b, count, step, friction, 1, 1, &kicks);
+        make_kicks(b, count, step, friction, 1, 1, &kicks);
     else if (friction)
-        make_rows(b, count, step, 1, 1, 0, &kicks);
+        make_kicks(b, count, step, 1, 1, 0, &kicks);
     else
-        make_rows(b, count, step, 0, 0, 0, &kicks);
-    if (friction || rolls) {
-        if (hosts)
-            add_rows(bodies, contact, count, 1, 1, &kicks);
-        else
-            add_rows(bodies, contact, count, 1, 0, &kicks);
-        return;
-    }
-    add_rows(bodies, contact, count, 0, hosts, &kicks);
+        make_kicks(b, count, step, 0, 0, 0, &kicks);
+    if (!friction && !rolls)
+        add_kicks(bodies, contact, count, 0, hosts, &kicks);
+    else if (hosts)
+        add_kicks(bodies, contact, count, 1, 1, &kicks);
+    else
+        add_kicks(bodies, contact, count, 1, 0, &kicks);
 }
 
 /* Limit of the overlap in a lane, m. */
 static inline double limit_of(const struct block *b, int k) {
-    return b->ball_spin[k][3] < b->host_spin[k][3] ? b->ball_spin[k][3] : b->host_spin[k][3];
+    return b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
 }
 
 /* The deepest overlap; a block without one that can be deeper than those before is done with quickly. */
@@ -456,7 +530,7 @@ static void note_depths(const struct block *b, const struct scree_contact *conta
 static void note_slopes(const struct block *b, const struct scree_contact *contact, int count, double slope,
                         double step, struct scree_tally *tally) {
     for (int k = 0; k < count; k++) {
-        double steep = step * slope * b->force[k] * (4.0 * b->rush[k][3]);
+        double steep = step * slope * b->force[k] * (4.0 * b->rush[3][k]);
         if (steep <= tally->steepest) continue;
         tally->steepest = steep;
         tally->steepest_ball = contact[k].ball;

@@ -109,6 +109,18 @@ static int keeps_something(double *const *column, int columns, int k) {
     return 0;
 }
 
+/* Whether the gap of a contact is at most `left`. Spheres take a short way. */
+static inline int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                          const struct scree_contact *contact, double left, double skin) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    if (batch->geometry == SCREE_BALL_BALL && contact->corner == 0) {
+        double reach = ball->radius + host->radius + left, x = ball->x[0] - host->x[0], y = ball->x[1] - host->x[1];
+        double z = ball->x[2] - host->x[2];
+        return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
+    }
+    return scree_gap(bodies, contact, skin) <= left;
+}
+
 /* The new list of a segment into the scratch: what is near enough, and what keeps something. Returns its length. */
 static int pick(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
@@ -122,7 +134,7 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
         while (before < segment->count && (order = scree_compare_contacts(&old[before], one, s)) < 0) before++;
         int same = before < segment->count && order == 0;
         double left = (half - bodies->record[one->ball].path) + (half - bodies->record[one->host].path);
-        int near = scree_gap(bodies, one, contacts->skin) <= left;
+        int near = is_near(bodies, batch, one, left, contacts->skin);
         if (!near && !(same && keeps_something(column, columns, segment->first + before))) continue;
         scratch->contact[count] = *one;
         scratch->from[count++] = same ? before : -1;
