@@ -30,8 +30,9 @@ struct scree_record {
 };
 
 struct scree_state {
-    double x[3], v[3]; /* m, m/s */
-    double l[3];       /* angular momentum about the centre, world axes, kg m^2/s */
+    double x[3], unused;         /* m */
+    double v[3], inverse_moment; /* m/s; 1/(kg m^2), of a ball about any axis */
+    double l[3], unused_too;     /* angular momentum about the centre, world axes, kg m^2/s */
 };
 
 struct scree_inertia {
@@ -128,8 +129,15 @@ void scree_bodies_start(struct scree_bodies *bodies, double time);
 int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                             double margin);
 
+/* The same for the first `count` bodies only. */
+int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double time, double step,
+                                 const double gravity[3], double margin);
+
 /* Kick by the impulses that contacts left in the records and by gravity at mid-step, then drift to time + step. */
 void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]);
+
+void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double time, double step,
+                               const double gravity[3]);
 
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
  * by scree_bodies_shadow (or `bodies` itself). */

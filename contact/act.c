@@ -82,8 +82,7 @@ struct slabs {
     double step;
     scree_segment_work *work; /* with its argument */
     void *argument;
-    scree_finish *finish; /* may be NULL */
-    void *context;
+    const struct scree_departure *go; /* NULL: bodies stay where they are */
 };
 
 static void act_segment(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
@@ -93,24 +92,25 @@ static void act_segment(void *argument, struct scree_contacts *contacts, struct 
     contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally);
 }
 
-static void finish_slab(const struct slabs *all, int slab) {
+/* The members of a slab have all their impulses: on they go. */
+static void move_slab(const struct slabs *all, int slab, struct scree_tally *tally) {
     const int *start = all->bodies->order.start;
-    if (all->finish) all->finish(all->context, start[slab], start[slab + 1]);
+    if (all->go) tally->too_far |= all->contacts->loop->move(all->bodies, start[slab], start[slab + 1], all->go);
 }
 
 static void act_slab(const struct slabs *all, int slab) {
     struct scree_contacts *contacts = all->contacts;
     struct scree_tally *tally = &contacts->tally[1 + slab];
-    *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1};
+    *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1, 0};
     for (int k = 0; k < contacts->busy_batches; k++) {
         const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         const struct scree_part *segment = &batch->segment[1 + slab];
         if (segment->count) all->work(all->argument, contacts, all->bodies, batch, segment, all->step, tally);
     }
-    if (slab == 0) finish_slab(all, 0);
+    if (slab == 0) move_slab(all, 0, tally);
     if (slab % 2 == 0) return;
-    finish_slab(all, slab);
-    if (slab + 1 < all->bodies->order.slabs) finish_slab(all, slab + 1);
+    move_slab(all, slab, tally);
+    if (slab + 1 < all->bodies->order.slabs) move_slab(all, slab + 1, tally);
 }
 
 /* What slabs have summed up, in their order. */
@@ -139,20 +139,21 @@ static void act_slabs(const struct slabs *all, int threads) {
 
 void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                              scree_segment_work *work, void *argument) {
-    struct slabs all = {contacts, bodies, step, work, argument, NULL, NULL};
+    struct slabs all = {contacts, bodies, step, work, argument, NULL};
     if (bodies->order.slabs) act_slabs(&all, threads);
 }
 
-void scree_contacts_act_and(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
-                            scree_finish *finish, void *context) {
-    struct slabs all = {contacts, bodies, step, act_segment, NULL, finish, context};
+int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                                const struct scree_departure *go) {
+    struct slabs all = {contacts, bodies, step, act_segment, NULL, go};
     for (int k = 0; k < contacts->busy_batches; k++)
         act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
-    int slabs = bodies->order.slabs;
-    if (slabs) act_slabs(&all, threads);
-    if (finish) finish(context, 0, slabs ? bodies->order.members : bodies->count);
+    if (bodies->order.slabs) act_slabs(&all, threads);
+    int too_far = 0;
+    for (int s = 1; s <= bodies->order.slabs; s++) too_far |= contacts->tally[s].too_far;
+    return too_far;
 }
 
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
-    scree_contacts_act_and(contacts, bodies, step, threads, NULL, NULL);
+    scree_contacts_act_and_move(contacts, bodies, step, threads, NULL);
 }

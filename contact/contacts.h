@@ -122,6 +122,7 @@ struct scree_tally {
     double lost_normal, work_tangential;
     double deepest, steepest; /* as in scree_contacts; places of the bodies, -1: none that is deeper */
     int deepest_ball, deepest_host, steepest_ball, steepest_host;
+    int too_far; /* a body has outgrown its margin */
 };
 
 struct scree_body_pair {
@@ -205,10 +206,16 @@ scree_status scree_contacts_remember(struct scree_batch *batch, const struct scr
 /* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. */
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads);
 
-/* The same; `finish` is called for bodies from … to - 1 as soon as all their impulses are there, from whatever thread. */
-typedef void scree_finish(void *context, int from, int to);
-void scree_contacts_act_and(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
-                            scree_finish *finish, void *context);
+/* The same; the members of slabs (bodies/order.c) are advanced as soon as all their impulses are there, and if `ahead` is set
+ * brought to the middle of the next step at once. Returns 1 if one has outgrown its margin then, as scree_bodies_look_ahead does. */
+struct scree_departure {
+    double step, margin;
+    double gravity[3]; /* in the middle of this step, and of the next one */
+    double next_gravity[3];
+    int ahead;
+};
+int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                                const struct scree_departure *go);
 
 /* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one, two with
  * friction. */

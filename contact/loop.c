@@ -10,8 +10,11 @@
  * are made per batch, never per contact. This file is compiled once for each kind of processor (contact/meson.build), and
  * uses nothing that could make a difference in a bit. */
 #include "contact/loop.h"
+#include "bodies/balls.h"
 #include "contact/law_list.h"
 #include "contact/meet.h"
+
+#include <string.h>
 
 /* Contacts that one instruction takes: passes run over full vectors. */
 #ifdef __AVX512F__
@@ -22,7 +25,7 @@ enum { WIDTH = 4 };
 static int padded(int count) { return (count + WIDTH - 1) & -WIDTH; }
 
 /* A row of a body record, for arithmetic on all four numbers at once. */
-typedef double row __attribute__((vector_size(32), aligned(8), may_alias));
+typedef scree_row row;
 
 #ifdef __AVX__
 /* Four rows to four columns, or back. */
@@ -559,7 +562,25 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     }
 }
 
+/* ---- bodies ---- */
+
+static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go) {
+    int too_far = 0;
+    scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
+    for (int k = from; k < to; k++) {
+        if (bodies->class[k] != SCREE_CLASS_BALL) {
+            memset(bodies->record[k].f, 0, sizeof bodies->record[k].f);
+            memset(bodies->record[k].t, 0, sizeof bodies->record[k].t);
+            continue;
+        }
+        scree_ball_advance(&bodies->record[k], &bodies->state[k], go->step, gravity);
+        if (go->ahead)
+            too_far |= scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], go->step, next, go->margin);
+    }
+    return too_far;
+}
+
 #define NAME_OF(loop) #loop
 #define NAMED(loop)   NAME_OF(loop)
 #define PREFIX        (sizeof "scree_loop_" - 1)
-const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight};
+const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight, move};

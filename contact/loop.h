@@ -12,6 +12,8 @@ struct scree_loop {
     /* As many contacts of a slab, added straight to their bodies and to the tally. */
     void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally);
+    /* Bodies from … to - 1, free or frozen balls, go on (scree_departure). */
+    int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go);
 };
 
 extern const struct scree_loop scree_loop_baseline, scree_loop_avx2, scree_loop_avx512;

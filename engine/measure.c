@@ -194,7 +194,9 @@ uint64_t scree_scene_hash(const scree_scene *scene) {
     hash = scree_hash_on(hash, &steps, sizeof steps);
     for (int number = 0; number < bodies->count; number++) {
         int k = bodies->place[number];
-        hash = scree_hash_on(hash, &bodies->state[k], sizeof bodies->state[k]);
+        hash = scree_hash_on(hash, bodies->state[k].x, sizeof bodies->state[k].x);
+        hash = scree_hash_on(hash, bodies->state[k].v, sizeof bodies->state[k].v);
+        hash = scree_hash_on(hash, bodies->state[k].l, sizeof bodies->state[k].l);
         if (bodies->slot[k] >= 0)
             hash = scree_hash_on(hash, bodies->attitude[bodies->slot[k]].q, sizeof bodies->attitude[0].q);
         if (!bodies->past) continue;

@@ -227,12 +227,15 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
  * by two. */
 struct body_part {
     int number, unused;
-    struct scree_state state;
+    double x[3], v[3], l[3];
     double q[4], f[3], t[3], past_f[2][3], past_t[2][3];
 };
 
 static struct body_part body_part(const struct scree_bodies *bodies, int k) {
-    struct body_part part = {.number = bodies->number[k], .state = bodies->state[k]};
+    struct body_part part = {.number = bodies->number[k]};
+    memcpy(part.x, bodies->state[k].x, sizeof part.x);
+    memcpy(part.v, bodies->state[k].v, sizeof part.v);
+    memcpy(part.l, bodies->state[k].l, sizeof part.l);
     if (bodies->slot[k] >= 0) memcpy(part.q, bodies->attitude[bodies->slot[k]].q, sizeof part.q);
     memcpy(part.f, bodies->record[k].f, sizeof part.f);
     memcpy(part.t, bodies->record[k].t, sizeof part.t);
@@ -329,9 +332,12 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
                           const struct body_part *part, const struct memory *memory, long memories) {
     struct scree_bodies *bodies = &scene->bodies;
     set_scalars(scene, scalars);
+    scene->ahead = scene->too_far = 0;
     take_places(scene, order, part);
     for (int k = 0; k < bodies->count; k++) {
-        bodies->state[k] = part[k].state;
+        memcpy(bodies->state[k].x, part[k].x, sizeof part[k].x);
+        memcpy(bodies->state[k].v, part[k].v, sizeof part[k].v);
+        memcpy(bodies->state[k].l, part[k].l, sizeof part[k].l);
         if (bodies->slot[k] >= 0) memcpy(bodies->attitude[bodies->slot[k]].q, part[k].q, sizeof part[k].q);
     }
     scree_bodies_start(bodies, scree_scene_time(scene));

@@ -52,6 +52,8 @@ struct scree_scene {
     struct scree_contacts contacts;
     double step;
     long steps;
+    int ahead;           /* members of slabs (bodies/order.c) are at the middle of the next step already, */
+    int too_far;         /* and one of them has outgrown its margin there */
     double driven;       /* J put in by drives and tilting so far */
     double first_energy; /* J at the start */
     double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */

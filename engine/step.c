@@ -2,6 +2,7 @@
 #include "engine/scene.h"
 
 #include <math.h>
+#include <string.h>
 
 double scree_scene_time(const scree_scene *scene) { return (double)scene->steps * scene->step; }
 double scree_scene_step_length(const scree_scene *scene) { return scene->step; }
@@ -106,20 +107,42 @@ static scree_status keep_order(scree_scene *scene) {
     return scree_contacts_keep_order(&scene->contacts, &scene->bodies, &scene->trouble);
 }
 
-static scree_status step_once(scree_scene *scene) {
+/* Bring the records to the middle of the step; members of slabs that are there already stay. Nonzero: lists must be looked at. */
+static int look_ahead(scree_scene *scene, const double gravity[3]) {
+    struct scree_bodies *bodies = &scene->bodies;
+    int count = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
+    scene->ahead = 0;
+    return too_far | scree_bodies_look_ahead_some(bodies, count, scree_scene_time(scene), scene->step, gravity,
+                                                  0.5 * scene->contacts.skin);
+}
+
+/* Contacts, and then bodies: members of slabs move on while they are at hand, as far as the middle of the next step if there is
+ * one (`more`). */
+static void act_and_advance(scree_scene *scene, const double gravity[3], int more) {
+    struct scree_bodies *bodies = &scene->bodies;
+    double time = scree_scene_time(scene), step = scene->step;
+    struct scree_departure go = {.step = step, .margin = 0.5 * scene->contacts.skin, .ahead = more};
+    int at_once = bodies->order.slabs > 0 && !scene->time.energy;
+    memcpy(go.gravity, gravity, sizeof go.gravity);
+    scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
+    scene->too_far =
+        scree_contacts_act_and_move(&scene->contacts, bodies, step, threads_of(scene), at_once ? &go : NULL);
+    scene->ahead = at_once && more;
+    if (scene->time.energy) book_drives(scene, time);
+    scree_bodies_advance_some(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
+}
+
+static scree_status step_once(scree_scene *scene, int more) {
     scree_status status = keep_order(scene);
     if (status) return status;
     if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
-    struct scree_bodies *bodies = &scene->bodies;
-    double time = scree_scene_time(scene), step = scene->step, gravity[3];
-    scree_gravity_at(scene, time + 0.5 * step, gravity);
-    if (scree_bodies_look_ahead(bodies, time, step, gravity, 0.5 * scene->contacts.skin)) {
+    double gravity[3];
+    scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
+    if (look_ahead(scene, gravity)) {
         status = renew_list(scene);
         if (status) return status;
     }
-    scree_contacts_act(&scene->contacts, bodies, step, threads_of(scene));
-    if (scene->time.energy) book_drives(scene, time);
-    scree_bodies_advance(bodies, time, step, gravity);
+    act_and_advance(scene, gravity, more);
     scene->steps++;
     return check_depth(scene);
 }
@@ -128,7 +151,7 @@ scree_status scree_scene_step(scree_scene *scene, long steps) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can step");
     for (long k = 0; k < steps; k++) {
-        scree_status status = step_once(scene);
+        scree_status status = step_once(scene, k + 1 < steps);
         if (status) return status;
     }
     return SCREE_OK;
