@@ -23,10 +23,9 @@ static const char help[] =
     "builds can be\n"
     "compared on one bed. Columns: bodies, threads, nanoseconds per body and step (median of the repeats, and the "
     "least), contacts that\n"
-    "touch per body, nanoseconds per such contact and step, lists made anew during the repeats, bytes of memory per "
-    "body (resident, all\n"
-    "told), then nanoseconds per body and step of the stages where time is taken (zero: not told apart), and the hash "
-    "of the state.\n"
+    "touch per body, and that are computed, nanoseconds per touching contact and step, outer and near lists made anew "
+    "during the repeats,\n"
+    "bytes of memory per body (resident, all told), hash of the state.\n"
     "\n"
     "example: scree-bench hot --bodies 10000 --steps 100 --repeats 9\n";
 
@@ -168,19 +167,22 @@ static void run(const struct request *request) {
     if (start) fclose(start);
     bench_step(scene, request->settle);
     if (request->write) write_bed(scene, request->write);
-    long rebuilds = scene->contacts.rebuilds;
+    long lists = scene->contacts.rebuilds, renewals = scene->contacts.renewals, listed = 0;
     for (int r = 0; r < request->repeats; r++) {
         double from = bench_now();
         bench_step(scene, request->steps);
         times[r] = (bench_now() - from) / ((double)request->steps * request->bodies) * 1e9;
     }
-    rebuilds = scene->contacts.rebuilds - rebuilds;
+    lists = scene->contacts.rebuilds - lists;
+    renewals = scene->contacts.renewals - renewals;
+    for (int b = 0; b < scene->contacts.batches; b++) listed += scene->contacts.batch[b].count;
     double bytes = (resident() - before) / request->bodies;
     int touching = 0;
     check(scene, scree_scene_contacts(scene, NULL, 0, &touching));
     double median = bench_median(times, request->repeats), contacts = (double)touching / request->bodies;
-    printf("%s,%d,%d,%.2f,%.2f,%.3f,%.2f,%ld,%.0f,%016llx\n", request->laws, request->bodies, request->threads, median,
-           times[0], contacts, median / contacts, rebuilds, bytes, (unsigned long long)scree_scene_hash(scene));
+    printf("%s,%d,%d,%.2f,%.2f,%.3f,%.3f,%.2f,%ld,%ld,%.0f,%016llx\n", request->laws, request->bodies, request->threads,
+           median, times[0], contacts, (double)listed / request->bodies, median / contacts, lists, renewals, bytes,
+           (unsigned long long)scree_scene_hash(scene));
     scree_scene_destroy(scene);
 }
 
@@ -205,7 +207,8 @@ int bench_hot(int count, char **words) {
     request.settle = cli_whole_number(settle, "--settle", 100000000);
     if (!request.bodies || !request.threads || !request.steps || !request.repeats || !request.settle) return EXIT_USAGE;
     bench_describe_machine();
-    printf("laws,bodies,threads,body_step_ns,least_ns,contacts_per_body,contact_step_ns,lists,bytes_per_body,hash\n");
+    printf("laws,bodies,threads,body_step_ns,least_ns,contacts_per_body,listed_per_body,contact_step_ns,lists,near_"
+           "lists,bytes_per_body,hash\n");
     run(&request);
     return EXIT_GOOD;
 }

@@ -154,7 +154,6 @@ struct scree_contacts {
     double *spare;     /* per body: way that its margin may still take out of its half of the skin, m */
     long rebuilds;     /* of the outer list */
     long renewals;     /* of near lists */
-    unsigned char renew[SCREE_SEGMENTS]; /* segments whose near lists are being renewed */
     struct scree_tally tally[SCREE_SEGMENTS];
     struct scree_scratch *scratch; /* one for each thread (near.c) */
     int scratches;
@@ -186,8 +185,8 @@ const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contac
  * its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists can't be used. */
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble);
 
-/* After bodies have outgrown their margins (path > skin/2): pick near contacts anew where these bodies are, or make all lists
- * anew if a body has used up its half of the skin. */
+/* After bodies have outgrown their margins (path > skin/2): pick near contacts anew from the outer list, or make
+ * both lists anew if a body has used up its half of the skin. */
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble);
 
@@ -284,7 +283,7 @@ int scree_compare_contacts(const struct scree_contact *a, const struct scree_con
 /* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
 double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin);
 
-/* Near lists of the segments marked in `renew` from the outer list. */
+/* Near lists from the outer list. */
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 

@@ -172,7 +172,7 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
     double speed =
         vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * (bodies->slot[k] < 0 ? 0.0 : record->bound);
-    double least = half / 80.0, most = half / 4.0, way = contacts->step * speed;
+    double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
     double margin = fmin(fmax(steps_ahead * way, least), most);
     margin = fmin(fmax(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
@@ -279,7 +279,6 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
         status = set_common_constants(contacts, bodies, batch, trouble);
     }
     if (status) return status;
-    memset(contacts->renew, 1, sizeof contacts->renew);
     contacts->rebuilds++;
     return scree_contacts_pick(contacts, bodies, 1, trouble);
 }
@@ -288,15 +287,10 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin;
     if (bodies->order.slabs == 0) return scree_contacts_list(contacts, bodies, trouble);
-    memset(contacts->renew, 0, sizeof contacts->renew);
     for (int k = 0; k < bodies->count; k++) {
-        if (bodies->record[k].path <= half || bodies->class[k] == SCREE_CLASS_FIXED) continue;
-        contacts->spare[k] += half - bodies->record[k].path; /* what it went beyond its margin */
+        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
+        contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
         if (!grant(contacts, bodies, k)) return scree_contacts_list(contacts, bodies, trouble);
-        int slab = bodies->slab[k];
-        contacts->renew[0] = 1;
-        if (slab >= 0) contacts->renew[1 + slab] = 1;
-        if (slab >= 1) contacts->renew[slab] = 1;
     }
     contacts->renewals++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);

@@ -2,8 +2,7 @@
  * in every step, touching or not. What laws keep of a contact moves along in place, segment by segment.
  *
  * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
- * new list. It holds whichever segments were made anew last, and for a body that gets a new margin if all of its
- * segments are. */
+ * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
 #include "contact/contacts.h"
 
 #include <stdlib.h>
@@ -206,7 +205,7 @@ static scree_status renew_batch(struct scree_contacts *contacts, const struct sc
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int t = 0; t < threads; t++)
         for (int s = t; s < segments; s += threads)
-            if (contacts->renew[s]) lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
+            lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
     for (int s = 0; s < segments; s++) {
         int least = padded(batch->segment[s].count), has = batch->segment[s].capacity;
         capacity[s] = lacking[s] ? padded(lacking[s] + lacking[s] / 16 + SCREE_PADDING) : has;
