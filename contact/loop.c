@@ -59,6 +59,7 @@ struct block {
     double slip[3][SCREE_LANES];     /* tangential velocity of the ball, m/s */
     double force[SCREE_LANES];       /* normal, N */
     double reversible[SCREE_LANES];  /* part of it that is stored, N */
+    double share[SCREE_LANES];       /* of the step during which the bodies touch */
     double touching[SCREE_LANES];    /* 1 while the contact lasts, else 0 */
     double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
     double friction[3][SCREE_LANES]; /* N */
@@ -175,6 +176,26 @@ static inline void move_all(int count, int corners, struct block *b) {
     }
 }
 
+/* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. Where a block has none of
+ * these, it does without divisions. */
+static void share_out(int count, double step, struct block *b) {
+    int parting = 0;
+    _Pragma("omp simd reduction(| : parting)")
+    for (int k = 0; k < padded(count); k++) {
+        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
+        b->share[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
+        parting |= !(fabs(b->overlap[k]) >= way);
+    }
+    if (!parting) return;
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
+        double share = 0.5 + 0.5 * (b->overlap[k] / way);
+        share = share < 1.0 ? share : 1.0;
+        b->share[k] = share > 0.0 ? share : 0.0;
+    }
+}
+
 static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
                    enum scree_geometry geometry, struct block *b) {
     fetch(bodies, contact, count, b);
@@ -201,14 +222,6 @@ static void gather(const struct scree_bodies *bodies, const struct scree_contact
 typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
                       double *const *kept, double step);
 
-/* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. */
-static inline double share_in_touch(double overlap, double closing, double step) {
-    double way = 0.5 * step * fabs(closing) + SCREE_NO_SPEED;
-    double share = 0.5 + 0.5 * (overlap / way);
-    share = share < 1.0 ? share : 1.0;
-    return share > 0.0 ? share : 0.0;
-}
-
 /* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step in
  * which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The spring
  * is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked up, not
@@ -216,6 +229,7 @@ static inline double share_in_touch(double overlap, double closing, double step)
 #define NORMAL_PASS(word)                                                                                              \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
                                    const double *const *pair, double *const *kept, double step) {                      \
+        (void)step;                                                                                                    \
         struct scree_law_constants constants = *law;                                                                   \
         double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
         _Pragma("omp simd")                                                                                            \
@@ -231,7 +245,7 @@ static inline double share_in_touch(double overlap, double closing, double step)
                 own[0][k] = f.first;                                                                                   \
                 own[1][k] = f.second;                                                                                  \
             }                                                                                                          \
-            double touching = b->touching[k], share = share_in_touch(at.overlap, at.closing, step);                    \
+            double touching = b->touching[k], share = b->share[k];                                                     \
             if (scree_normal_##word.reach) {                                                                           \
                 touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                         \
                 b->snap[k] =                                                                                           \
@@ -410,6 +424,7 @@ static void press(const struct scree_contacts *contacts, const struct scree_bodi
     for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
     for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
     gather(bodies, batch->contact + first, count, batch->geometry, b);
+    share_out(count, step, b);
     normal_passes[rule->normal](b, count, &rule->normal_constants, pair, kept, step);
     if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
