@@ -14,6 +14,7 @@ static const char help[] =
     "usage: scree-bench BENCHMARK [OPTION …]\n"
     "\n"
     "  process   time of a step in small scenes: a box on a plane, the process model; and where it goes\n"
+    "  hot       time of a step of settled beds of spheres: per body, per contact, memory, lists\n"
     "  impact    error of the restitution against the step, for each normal law with a closed form\n"
     "  laws      time of a contact in the loop, for every contact law\n"
     "  lm        time of a least-squares solve; calls and digits on test problems; beside other solvers\n"
@@ -28,9 +29,12 @@ static const char help[] =
 static const struct {
     const char *name;
     int (*run)(int count, char **words);
-} benchmarks[] = {{"process", bench_process}, {"impact", bench_impact},       {"laws", bench_laws},
-                  {"lm", bench_lm},           {"plan", bench_plan},           {"precision", bench_precision},
-                  {"skips", bench_skips},     {"stability", bench_stability}, {"stress", bench_stress}};
+} benchmarks[] = {
+    {"process", bench_process},     {"hot", bench_hot},     {"impact", bench_impact},
+    {"laws", bench_laws},           {"lm", bench_lm},       {"plan", bench_plan},
+    {"precision", bench_precision}, {"skips", bench_skips}, {"stability", bench_stability},
+    {"stress", bench_stress},
+};
 
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
 

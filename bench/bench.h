@@ -5,6 +5,7 @@
 #include "engine/scene.h"
 
 int bench_process(int count, char **words);
+int bench_hot(int count, char **words);
 int bench_impact(int count, char **words);
 int bench_laws(int count, char **words);
 int bench_lm(int count, char **words);

@@ -1,4 +1,5 @@
 /* How each body moves alone: the drift and kick of the step, free rotation, prescribed coordinates. */
+#include "bodies/balls.h"
 #include "bodies/turning.h"
 
 #include <string.h>
@@ -33,30 +34,9 @@ static void face(struct scree_bodies *bodies, int index, struct quat q) {
     if (bodies->shape[index].kind == SCREE_BOX) place_corners(attitude, bodies->corner + 1 + 8 * bodies->slot[index]);
 }
 
-/* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
- * half a step from now. Written so that a NaN counts as too far. */
-static int outgrown(struct scree_record *record, double way, double margin) {
-    record->path += way;
-    return !(record->path + 0.5 * way <= margin);
-}
-
 static void clear_loads(struct scree_record *record) {
     memset(record->f, 0, sizeof record->f);
     memset(record->t, 0, sizeof record->t);
-}
-
-static int look_ahead_ball(struct scree_record *record, const struct scree_state *state,
-                           const struct scree_inertia *inertia, double step, const double gravity[3], double margin) {
-    double speed2 = 0.0;
-    for (int k = 0; k < 3; k++) {
-        double kick = inertia->inverse_mass[k] * record->f[k] + step * gravity[k];
-        record->x[k] = state->x[k] + 0.5 * step * state->v[k];
-        record->v[k] = state->v[k] + 0.5 * kick;
-        record->w[k] = inertia->inverse_moments[0] * (state->l[k] + 0.5 * record->t[k]);
-        record->f[k] = record->t[k] = 0.0;
-        speed2 += state->v[k] * state->v[k];
-    }
-    return outgrown(record, step * sqrt(speed2), margin);
 }
 
 /* Attitude and spin half a step ahead; a body that can't turn keeps both. */
@@ -97,17 +77,17 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
     /* A plane turns about its normal only, so its turning moves no surface. */
     double reach = bodies->shape[index].kind == SCREE_PLANE ? 0.0 : record->bound;
     double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(vec_from(record->w)) * reach;
-    return outgrown(record, way, margin);
+    return scree_outgrown(record, way, margin);
 }
 
-int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
-                            double margin) {
+int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double time, double step,
+                                 const double gravity[3], double margin) {
     int too_far = 0;
     drive_to(bodies, time + 0.5 * step);
-    for (int k = 0; k < bodies->count; k++) {
+    for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL)
             too_far |=
-                look_ahead_ball(&bodies->record[k], &bodies->state[k], &bodies->inertia[k], step, gravity, margin);
+                scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity), margin);
         else if (bodies->class[k] == SCREE_CLASS_FIXED)
             clear_loads(&bodies->record[k]);
         else
@@ -116,13 +96,9 @@ int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double ste
     return too_far;
 }
 
-static void advance_ball(const struct scree_record *record, struct scree_state *state,
-                         const struct scree_inertia *inertia, double step, const double gravity[3]) {
-    for (int k = 0; k < 3; k++) {
-        state->v[k] = settle(state->v[k] + (inertia->inverse_mass[k] * record->f[k] + step * gravity[k]));
-        state->x[k] = record->x[k] + 0.5 * step * state->v[k];
-        state->l[k] = settle(state->l[k] + record->t[k]);
-    }
+int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                            double margin) {
+    return scree_bodies_look_ahead_some(bodies, bodies->count, time, step, gravity, margin);
 }
 
 static void advance_turn(struct scree_bodies *bodies, int index, double step) {
@@ -155,14 +131,19 @@ static void advance_general(struct scree_bodies *bodies, int index, double step,
     advance_turn(bodies, index, step);
 }
 
-void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
+void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double time, double step,
+                               const double gravity[3]) {
     drive_to(bodies, time + step);
-    for (int k = 0; k < bodies->count; k++) {
+    for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL)
-            advance_ball(&bodies->record[k], &bodies->state[k], &bodies->inertia[k], step, gravity);
+            scree_ball_advance(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity));
         else if (bodies->class[k] == SCREE_CLASS_GENERAL)
             advance_general(bodies, k, step, gravity);
     }
+}
+
+void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
+    scree_bodies_advance_some(bodies, bodies->count, time, step, gravity);
 }
 
 struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, double time) {

@@ -32,16 +32,21 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
     bodies->material = aligned_zeroed(n, sizeof *bodies->material);
     bodies->origin = aligned_zeroed(n, sizeof *bodies->origin);
     bodies->slot = aligned_zeroed(n, sizeof *bodies->slot);
-    bodies->name = aligned_zeroed(n, sizeof *bodies->name);
+    bodies->number = aligned_zeroed(n, sizeof *bodies->number);
+    bodies->place = aligned_zeroed(n, sizeof *bodies->place);
+    bodies->slab = aligned_zeroed(n, sizeof *bodies->slab);
     if (bodies->record && bodies->state && bodies->inertia && bodies->class && bodies->shape && bodies->joint &&
-        bodies->material && bodies->origin && bodies->slot && bodies->name && bodies->moved)
+        bodies->material && bodies->origin && bodies->slot && bodies->number && bodies->place && bodies->slab &&
+        bodies->moved) {
+        for (int k = 0; k < count; k++) bodies->number[k] = bodies->place[k] = k;
+        memset(bodies->slab, -1, n);
         return SCREE_OK;
+    }
     scree_bodies_destroy(bodies);
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d bodies", count);
 }
 
 void scree_bodies_destroy(struct scree_bodies *bodies) {
-    for (int k = 0; bodies->name && k < bodies->count; k++) free(bodies->name[k]);
     for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
     free(bodies->record);
     free(bodies->state);
@@ -56,7 +61,9 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     free(bodies->corner);
     free(bodies->motion);
     free(bodies->moved);
-    free(bodies->name);
+    free(bodies->number);
+    free(bodies->place);
+    free(bodies->slab);
     free(bodies->past);
     *bodies = (struct scree_bodies){0};
 }
@@ -99,6 +106,7 @@ void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_d
     }
     const struct scree_inertia *inertia = &bodies->inertia[index];
     record->inverse_mass = fmax(inertia->inverse_mass[0], fmax(inertia->inverse_mass[1], inertia->inverse_mass[2]));
+    state->inverse_moment = inertia->inverse_moments[0];
     record->radius = def->shape.kind == SCREE_SPHERE ? def->shape.radius : 0.0;
     if (def->shape.kind == SCREE_BOX) record->radius = def->shape.rounding;
     record->limit = fmin(0.5 * scree_shape_half_width(&def->shape), unlimited);

@@ -24,14 +24,15 @@
 struct scree_record {
     double x[3], radius;       /* centre, m; radius of the ball at the centre or at each corner, m */
     double v[3], inverse_mass; /* m/s; 1/kg, 0 if forces can't move the centre */
-    double w[3], path;         /* spin, rad/s; way since the last list, m */
-    double f[3], limit;        /* impulse of the step, N s; largest tolerable overlap, m */
+    double w[3], limit;        /* spin, rad/s; largest tolerable overlap, m */
+    double f[3], path;         /* impulse of the step, N s; way since the last list, and what that list lacked, m */
     double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
 };
 
 struct scree_state {
-    double x[3], v[3]; /* m, m/s */
-    double l[3];       /* angular momentum about the centre, world axes, kg m^2/s */
+    double x[3], unused;         /* m */
+    double v[3], inverse_moment; /* m/s; 1/(kg m^2), of a ball about any axis */
+    double l[3], unused_too;     /* angular momentum about the centre, world axes, kg m^2/s */
 };
 
 struct scree_inertia {
@@ -66,8 +67,24 @@ enum scree_body_class {
     SCREE_CLASS_GENERAL /* everything else */
 };
 
+/* Where bodies lie in memory. A scene of many balls keeps them sorted in space: in slabs across its longest extent, within a slab in
+ * rows. Two balls of slabs that aren't neighbours don't touch as long as the order holds. Walls, boxes, driven and
+ * very large bodies are no members; they come first, in the order of their numbers. */
+enum { SCREE_SLABS = 64 };
+struct scree_order {
+    int slabs;                  /* 0: bodies lie in the order of their numbers */
+    int members;                /* place of the first member */
+    int start[SCREE_SLABS + 1]; /* place where each slab begins, and where the last one ends */
+    int axis[3];                /* across slabs, across rows, along rows */
+    double low[3], width[3];    /* where counting begins, and the widths that are counted in, m */
+};
+
 struct scree_bodies {
     int count;
+    struct scree_order order;
+    int *number;       /* [place]: number of the body there, as it was defined */
+    int *place;        /* [number] */
+    signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
     struct scree_state *state;
     struct scree_inertia *inertia;
@@ -83,7 +100,6 @@ struct scree_bodies {
     struct scree_motion *motion; /* owned; joints refer to them by index */
     int motions;
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
-    char **name;                      /* owned */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
 };
 
@@ -113,8 +129,15 @@ void scree_bodies_start(struct scree_bodies *bodies, double time);
 int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                             double margin);
 
+/* The same for the first `count` bodies only. */
+int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double time, double step,
+                                 const double gravity[3], double margin);
+
 /* Kick by the impulses that contacts left in the records and by gravity at mid-step, then drift to time + step. */
 void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]);
+
+void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double time, double step,
+                               const double gravity[3]);
 
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
  * by scree_bodies_shadow (or `bodies` itself). */
@@ -125,6 +148,24 @@ void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struc
 scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,
                                  scree_trouble *trouble);
 void scree_bodies_free_shadow(struct scree_bodies *shadow);
+
+/* ---- order ---- */
+
+/* Sort the bodies by the positions of their states, if there are enough of them; `range` is the largest gap that
+ * matters, m. `key` and `from` are scratch for a number per body. */
+void scree_bodies_sort(struct scree_bodies *bodies, double range, uint64_t *key, int *from);
+
+/* Whether so many bodies have left their places that sorting pays. It depends on the state alone. */
+int scree_bodies_disordered(const struct scree_bodies *bodies);
+
+/* Permute an array of things of `size` bytes (at most those of a scree_past): what is at from[k] goes to k. NULL is left alone. */
+void scree_permute(void *array, size_t size, int *from, int count);
+
+/* Put the bodies in a given order: the body at place from[k] goes to place k. */
+void scree_bodies_permute(struct scree_bodies *bodies, int *from);
+
+/* Slabs after `order` has been set. */
+void scree_bodies_mark_slabs(struct scree_bodies *bodies);
 
 /* ---- for the pair-impulse method ----
  *

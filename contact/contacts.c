@@ -1,5 +1,5 @@
 /* Contacts: the table of rules and batches, and what the laws need to know of a pair of bodies. */
-#include "contact/contacts.h"
+#include "contact/loop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,9 +19,16 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
         for (int geometry = 0; geometry < SCREE_GEOMETRIES; geometry++) {
             struct scree_batch *batch = &contacts->batch[contacts->batches];
             batch->geometry = (enum scree_geometry)geometry;
+            batch->segment = calloc(SCREE_SEGMENTS, sizeof *batch->segment);
+            if (!batch->segment) return SCREE_NO_MEMORY;
             batch->rule = rule;
             int keeps = scree_normal_laws[rules[rule].normal]->memory || (law && law->memory);
             batch->memory = rolling && rolling->memory ? SCREE_MEMORY : keeps ? SCREE_KEPT_ROLLING : 0;
+            for (int m = 0; m < SCREE_MEMORY; m++)
+                batch->keeps[m] =
+                    (unsigned char)(m < SCREE_KEPT_NORMAL    ? law && law->memory
+                                    : m < SCREE_KEPT_ROLLING ? scree_normal_laws[rules[rule].normal]->memory
+                                                             : rolling && rolling->memory);
             batch->turns = law || rolling || geometry == SCREE_BALL_BOX;
             batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
             if (rolling) batch->slope += rolling->slope(&rules[rule].rolling_constants);
@@ -40,13 +47,16 @@ static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
     contacts->next = malloc((bodies + 1) * sizeof *contacts->next);
     contacts->place = malloc(places * sizeof *contacts->place);
     contacts->start = malloc((bodies + 2) * sizeof *contacts->start);
-    int ok = contacts->level && contacts->key && contacts->next && contacts->place && contacts->start;
+    contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
+    int ok =
+        contacts->spare && contacts->level && contacts->key && contacts->next && contacts->place && contacts->start;
     return ok ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
 scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
                                    const struct scree_rule *rules, int rule_count, scree_trouble *trouble) {
-    *contacts = (struct scree_contacts){.materials = materials,
+    *contacts = (struct scree_contacts){.loop = scree_choose_loop(),
+                                        .materials = materials,
                                         .rules = rule_count,
                                         .deepest_ball = -1,
                                         .deepest_host = -1,
@@ -72,15 +82,17 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
         free(batch->contact);
-        free(batch->pair);
-        free(batch->kept);
         free(batch->yield);
-        free(batch->old_contact);
-        free(batch->old_kept);
-        free(batch->past);
-        free(batch->old_past);
+        free(batch->segment);
+        free(batch->outer);
         free(batch->moments);
+        for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) free(batch->pair[m]);
+        for (int m = 0; m < SCREE_MEMORY; m++) free(batch->kept[m]);
+        for (int m = 0; m < SCREE_PAST; m++) free(batch->past[m]);
     }
+    scree_contacts_free_scratch(contacts);
+    free(contacts->index);
+    free(contacts->spare);
     free(contacts->rule);
     free(contacts->rule_of);
     free(contacts->batch);

@@ -16,7 +16,11 @@
 
 #include <stdint.h>
 
-enum { SCREE_LANES = 16 }; /* contacts in a block: their work columns stay in the L1 cache */
+enum { SCREE_SEGMENTS = SCREE_SLABS + 1 };
+enum {
+    SCREE_LANES = 32,  /* contacts in a block: their work columns stay in the L1 cache */
+    SCREE_PADDING = 8, /* passes run over whole vectors: what columns hold is padded to a multiple of this */
+};
 
 /* Columns of pair constants: those of the normal law, then two of the friction law, then the lever of the rolling law, m. */
 enum {
@@ -50,29 +54,75 @@ struct scree_moments {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES]; /* N s^2, N m s^2 */
 };
 
-/* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. */
+/* Part of a batch's list: near contacts first … first + count - 1, out of the outer list's. Segment 0 holds what isn't of one
+ * slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): no two slabs of the same parity touch one body. */
+struct scree_part {
+    int first, count, capacity;
+    int outer_first, outer_count;
+};
+
+/* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. What is kept of a
+ * contact lies in columns: only those that the laws use are there. */
 struct scree_batch {
     enum scree_geometry geometry;
     int rule;   /* index of the laws */
-    int memory; /* how many numbers of each contact laws may keep, from the first on */
+    int memory; /* how many numbers of each contact laws may keep, from the first on; of those that no law
+                      asks for there is no column */
     int turns;  /* all contacts can turn bodies: friction, rolling, or a box as partner; else only those of corners */
-    int any_turns; /* some do */
-    double slope;  /* of friction and rolling laws, s/m; 0 if none is regularised by velocity */
-    int uniform;   /* one set of pair constants serves all (made for the first block) */
-    int count, capacity;
+    int any_turns;              /* some do */
+    double slope;               /* of friction and rolling laws, s/m; 0 if none is regularised by velocity */
+    int uniform;                /* one set of pair constants serves all (one block of them is made) */
+    struct scree_part *segment; /* SCREE_SEGMENTS of them */
+    int count, capacity;        /* near contacts of all segments; places for them, gaps between segments included */
     struct scree_contact *contact;
-    double (*pair)[SCREE_PAIR_COLUMNS][SCREE_LANES]; /* per block, or one if uniform */
-    double (*kept)[SCREE_MEMORY][SCREE_LANES];       /* contact memory per block; NULL without */
-    struct scree_yield *yield;                       /* per block */
+    double *pair[SCREE_PAIR_COLUMNS];
+    int pair_capacity;
+    unsigned char keeps[SCREE_MEMORY]; /* which columns there are */
+    double *kept[SCREE_MEMORY];
+    struct scree_yield *yield; /* per block of segment 0 */
+    int blocks;                /* room for so many */
     /* For the pair-impulse method; NULL without it. */
     int impulses;
-    double (*past)[SCREE_PAST][SCREE_LANES];
-    struct scree_moments *moments;
-    /* The list before this one, from which memory is carried over. */
-    int old_count;
-    struct scree_contact *old_contact;
-    double (*old_kept)[SCREE_MEMORY][SCREE_LANES];
-    double (*old_past)[SCREE_PAST][SCREE_LANES];
+    double *past[SCREE_PAST];
+    struct scree_moments *moments; /* per block of segment 0 */
+    /* Contacts that may get near before bodies have gone half a skin; near ones are picked from them. */
+    int outer_count, outer_capacity;
+    struct scree_contact *outer;
+};
+
+/* Indices of the near contacts of a batch, one after the other; -1: no more. */
+static inline int scree_next(const struct scree_batch *batch, int k) {
+    int s = 0;
+    while (s < SCREE_SEGMENTS && (!batch->segment[s].count || k >= batch->segment[s].first + batch->segment[s].count))
+        s++;
+    if (s < SCREE_SEGMENTS && k + 1 < batch->segment[s].first + batch->segment[s].count) return k + 1;
+    for (s++; s < SCREE_SEGMENTS; s++)
+        if (batch->segment[s].count) return batch->segment[s].first;
+    return -1;
+}
+
+static inline int scree_first(const struct scree_batch *batch) {
+    for (int s = 0; s < SCREE_SEGMENTS; s++)
+        if (batch->segment[s].count) return batch->segment[s].first;
+    return -1;
+}
+
+/* Number m of what laws keep of contact k. */
+static inline double scree_kept(const struct scree_batch *batch, int m, int k) {
+    return batch->kept[m] ? batch->kept[m][k] : 0.0;
+}
+
+/* Pair constant c of contact k. */
+static inline double scree_pair(const struct scree_batch *batch, int c, int k) {
+    return batch->pair[c][batch->uniform ? 0 : k];
+}
+
+/* Sums of a segment, before they are added to the scene's in the order of segments. */
+struct scree_tally {
+    double lost_normal, work_tangential;
+    double deepest, steepest; /* as in scree_contacts; places of the bodies, -1: none that is deeper */
+    int deepest_ball, deepest_host, steepest_ball, steepest_host;
+    int too_far; /* a body has outgrown its margin */
 };
 
 struct scree_body_pair {
@@ -80,6 +130,7 @@ struct scree_body_pair {
 };
 
 struct scree_contacts {
+    const struct scree_loop *loop; /* for this processor */
     int materials;
     int rules;
     struct scree_rule *rule;
@@ -98,15 +149,23 @@ struct scree_contacts {
     uint64_t *key;
     int *next, *place, *start;
     size_t last_place; /* number of places, a power of two, less one */
-    double skin;       /* contacts with a gap up to this are listed, m */
-    long rebuilds;
+    double skin;       /* contacts with a gap up to this are in the outer list, m */
+    double step;       /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
+    double *spare;     /* per body: way that its margin may still take out of its half of the skin, m */
+    long rebuilds;     /* of the outer list */
+    long renewals;     /* of near lists */
+    struct scree_tally tally[SCREE_SEGMENTS];
+    struct scree_scratch *scratch; /* one for each thread (near.c) */
+    int scratches;
+    int *index; /* scratch for sorting contacts */
+    int indices;
 
     int substeps;           /* of the pair-impulse method */
     int measured;           /* sum up dissipation */
     double lost_normal;     /* J dissipated in normal direction so far */
     double work_tangential; /* J done against friction and rolling resistance so far */
 
-    double deepest; /* largest overlap over tolerable overlap so far */
+    double deepest; /* largest overlap over tolerable overlap so far; and whose, by their numbers */
     int deepest_ball, deepest_host;
     double steepest; /* largest scree_yield.steep so far */
     int steepest_ball, steepest_host;
@@ -122,17 +181,40 @@ void scree_contacts_destroy(struct scree_contacts *contacts);
 const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                              int i, int j, int *missing);
 
-/* Make the list of near contacts from the records as they are; carries contact memory over, clears the paths.
- * SCREE_NO_MEMORY keeps the old list. */
+/* Make outer and near lists from the records as they are; carries contact memory over, gives every body its margin: `path` in
+ * its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists can't be used. */
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble);
 
-/* Append a contact with its memory to the list of a batch, in the list's order (for a restored state; the next list
- * carries it over). `kept` counts if the batch has memory, `past` if it keeps impulses. */
-scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_contact *contact, const double *kept,
-                                     const double *past, scree_trouble *trouble);
+/* After bodies have outgrown their margins (path > skin/2): pick near contacts anew from the outer list, or make
+ * both lists anew if a body has used up its half of the skin. */
+scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                                  scree_trouble *trouble);
+
+/* Put the bodies in the order of space, and the lists with them; the second only if they have got out of it. */
+scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble);
+scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                                       scree_trouble *trouble);
+
+/* Forget all contacts; then append one with its memory, in the list's order (for a restored state; the next list carries it
+ * over). `kept` counts if the batch has memory, `past` if it keeps impulses. */
+void scree_contacts_forget(struct scree_contacts *contacts);
+scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
+                                     const struct scree_contact *contact, const double *kept, const double *past,
+                                     scree_trouble *trouble);
 
 /* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. */
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads);
+
+/* The same; the members of slabs (bodies/order.c) are advanced as soon as all their impulses are there, and if `ahead` is set
+ * brought to the middle of the next step at once. Returns 1 if one has outgrown its margin then, as scree_bodies_look_ahead does. */
+struct scree_departure {
+    double step, margin;
+    double gravity[3]; /* in the middle of this step, and of the next one */
+    double next_gravity[3];
+    int ahead;
+};
+int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                                const struct scree_departure *go);
 
 /* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one, two with
  * friction. */
@@ -180,9 +262,41 @@ static inline int scree_contact_turns(const struct scree_batch *batch, const str
     return batch->turns || contact->corner > 0;
 }
 
-/* Add what a block has yielded to its bodies and to the scene's sums, contact by contact. */
+/* Add what a block of segment 0 has yielded to its bodies and to the scene's sums, contact by contact. */
 void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
                             const struct scree_batch *batch, int block);
+
+/* Work off the segments of the slabs, even ones and then odd ones, by as many threads; tallies are added up. */
+typedef void scree_segment_work(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
+                                const struct scree_batch *batch, const struct scree_part *segment, double step,
+                                struct scree_tally *tally);
+void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                             scree_segment_work *work, void *argument);
+
+/* Which segment a contact belongs to. */
+int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                     const struct scree_contact *contact);
+
+/* The order of contacts in a segment; negative: a before b. */
+int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment);
+
+/* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin);
+
+/* Near lists from the outer list. */
+scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble);
+
+/* Free the scratch of near.c. */
+void scree_contacts_free_scratch(struct scree_contacts *contacts);
+
+/* Constants of the laws for each pair of bodies, where they aren't all the same. */
+scree_status scree_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                  struct scree_batch *batch, scree_trouble *trouble);
+
+/* More room in an array of `before` things of `size` bytes; 0 if there is no memory, and then it stays as it was. What is new is
+ * zero. `array` is the address of a pointer. */
+int scree_enlarge(void *array, int before, int after, size_t size);
 
 /* Pairs of bodies whose bounds come within `skin`, sorted by (i, j). */
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies,

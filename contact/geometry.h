@@ -16,9 +16,10 @@ struct scree_meeting {
 static inline struct scree_meeting scree_meet_ball(struct vec centre, double radius, struct vec other,
                                                    double other_radius) {
     struct vec d = vec_sub(centre, other);
-    double distance = vec_norm(d);
-    if (distance == 0.0) return (struct scree_meeting){{0.0, 0.0, 1.0}, radius + other_radius};
-    return (struct scree_meeting){vec_scale(1.0 / distance, d), radius + other_radius - distance};
+    double distance = vec_norm(d), inverse = 1.0 / distance;
+    int same = distance == 0.0; /* selections, no branch: the loop takes several at once */
+    struct vec n = vec(same ? 0.0 : inverse * d.x, same ? 0.0 : inverse * d.y, same ? 1.0 : inverse * d.z);
+    return (struct scree_meeting){n, radius + other_radius - distance};
 }
 
 static inline struct scree_meeting scree_meet_plane(struct vec centre, double radius, struct vec origin,

@@ -558,22 +558,23 @@ static struct vec turn_along(struct vec v, struct vec a, struct vec b) {
     return vec_axpy(vec_add(v, once), 1.0 / (1.0 + vec_dot(a, b)), vec_cross(axis, once));
 }
 
-/* A contact in the loop: where it is in its batch. */
+/* A contact in the loop: where it is in its batch, and where its yield goes. */
 struct place {
     const struct scree_batch *batch;
-    int block, lane;
+    int index, lane; /* in the batch; in what follows */
+    struct scree_yield *yield;
+    struct scree_moments *moments;
 };
 
 static struct pair laws_of(const struct scree_contacts *contacts, struct place at) {
     const struct scree_rule *rule = &contacts->rule[at.batch->rule];
-    double(*columns)[SCREE_LANES] = at.batch->pair[at.batch->uniform ? 0 : at.block];
     struct pair p = {.normal = scree_normal_laws[rule->normal],
                      .friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL,
                      .normal_law = &rule->normal_constants,
                      .friction_law = &rule->friction_constants};
-    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) p.normal_pair.c[c] = columns[c][at.lane];
+    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) p.normal_pair.c[c] = scree_pair(at.batch, c, at.index);
     for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++)
-        p.friction_pair.c[c - SCREE_PAIR_FRICTION] = columns[c][at.lane];
+        p.friction_pair.c[c - SCREE_PAIR_FRICTION] = scree_pair(at.batch, c, at.index);
     p.reach = p.normal->reach ? p.normal->reach(p.normal_law, p.normal_pair) : 0.0;
     p.root = p.normal->root;
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
@@ -613,34 +614,32 @@ static double extrapolation(const struct pair *p, const struct instant *at) {
 
 static struct instant instant_of(const struct pair *p, struct place place, struct view now, struct vec velocity) {
     struct instant at = {.overlap = now.overlap, .velocity = velocity};
-    if (!place.batch->memory) return at;
-    double(*kept)[SCREE_LANES] = place.batch->kept[place.block];
-    int lane = place.lane;
+    double *const *kept = place.batch->kept;
+    int k = place.index;
     if (p->normal->memory) {
-        at.first = kept[SCREE_KEPT_NORMAL][lane];
-        at.second = kept[SCREE_KEPT_NORMAL + 1][lane];
+        at.first = kept[SCREE_KEPT_NORMAL][k];
+        at.second = kept[SCREE_KEPT_NORMAL + 1][k];
     }
     if (p->friction && p->friction->memory) {
-        struct vec stretch = vec(kept[0][lane], kept[1][lane], kept[2][lane]);
+        struct vec stretch = vec(kept[0][k], kept[1][k], kept[2][k]);
         at.stretch = scree_into_tangent_plane(stretch, now.normal);
-        at.sliding = kept[3][lane];
+        at.sliding = kept[3][k];
     }
     return at;
 }
 
 static void keep(const struct pair *p, struct place place, const struct instant *at) {
-    if (!place.batch->memory) return;
-    double(*kept)[SCREE_LANES] = place.batch->kept[place.block];
-    int lane = place.lane;
+    double *const *kept = place.batch->kept;
+    int k = place.index;
     if (p->normal->memory) {
-        kept[SCREE_KEPT_NORMAL][lane] = at->first;
-        kept[SCREE_KEPT_NORMAL + 1][lane] = at->second;
+        kept[SCREE_KEPT_NORMAL][k] = at->first;
+        kept[SCREE_KEPT_NORMAL + 1][k] = at->second;
     }
     if (p->friction && p->friction->memory) {
-        kept[0][lane] = at->stretch.x;
-        kept[1][lane] = at->stretch.y;
-        kept[2][lane] = at->stretch.z;
-        kept[3][lane] = at->sliding;
+        kept[0][k] = at->stretch.x;
+        kept[1][k] = at->stretch.y;
+        kept[2][k] = at->stretch.z;
+        kept[3][k] = at->sliding;
     }
 }
 
@@ -650,16 +649,23 @@ static void put(double column[3][SCREE_LANES], int lane, struct vec a) {
     column[2][lane] = a.z;
 }
 
-static struct vec get(double (*column)[SCREE_LANES], int lane) {
-    return vec(column[0][lane], column[1][lane], column[2][lane]);
+static struct vec past_of(const struct scree_batch *batch, int step, int k) {
+    double *const *past = batch->past + 3 * step;
+    return vec(past[0][k], past[1][k], past[2][k]);
+}
+
+static void keep_past(const struct scree_batch *batch, int step, int k, struct vec impulse) {
+    double *const *past = batch->past + 3 * step;
+    past[0][k] = impulse.x;
+    past[1][k] = impulse.y;
+    past[2][k] = impulse.z;
 }
 
 /* Impulse and moment on both bodies, in the directions of mid-step. */
 static void write_yield(const struct yield *sum, struct view middle, struct vec impulse, struct vec moment,
                         struct place place) {
-    struct scree_yield *yield = &place.batch->yield[place.block];
-    struct scree_moments *moments = &place.batch->moments[place.block];
-    double(*past)[SCREE_LANES] = place.batch->past[place.block];
+    struct scree_yield *yield = place.yield;
+    struct scree_moments *moments = place.moments;
     int lane = place.lane;
     struct vec host_arm = vec_add(middle.arm, middle.apart);
     put(yield->impulse, lane, impulse);
@@ -668,8 +674,8 @@ static void write_yield(const struct yield *sum, struct view middle, struct vec 
     put(moments->impulse, lane, moment);
     put(moments->turn_ball, lane, vec_cross(middle.arm, moment));
     put(moments->turn_host, lane, vec_cross(moment, host_arm));
-    put(past + 3, lane, get(past, lane));
-    put(past, lane, impulse);
+    keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index));
+    keep_past(place.batch, 0, place.index, impulse);
     yield->lost_normal += sum->lost;
     yield->work_tangential += sum->rubbed;
 }
@@ -692,6 +698,12 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
     return vec_sub(gain, vec_cross(vec_cross(now.normal, normal), velocity));
 }
 
+static void add_to(double column[3][SCREE_LANES], int lane, struct vec a) {
+    column[0][lane] += a.x;
+    column[1][lane] += a.y;
+    column[2][lane] += a.z;
+}
+
 /* The rolling law of a contact that pressed with the mean force of `sum`, by the rule of loop.c: one evaluation at mid-step, at the
  * predicted spins. */
 static void roll(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct place place,
@@ -700,12 +712,12 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
     if (rule->rolling < 0) return;
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
-    const struct scree_contact *contact = &place.batch->contact[place.block * SCREE_LANES + place.lane];
-    struct scree_yield *yield = &place.batch->yield[place.block];
-    struct scree_moments *moments = &place.batch->moments[place.block];
-    double(*own)[SCREE_LANES] = law->memory ? place.batch->kept[place.block] + SCREE_KEPT_ROLLING : NULL;
-    double lever = place.batch->pair[place.batch->uniform ? 0 : place.block][SCREE_PAIR_LEVER][place.lane];
-    int lane = place.lane;
+    const struct scree_contact *contact = &place.batch->contact[place.index];
+    struct scree_yield *yield = place.yield;
+    struct scree_moments *moments = place.moments;
+    double *const *own = law->memory ? place.batch->kept + SCREE_KEPT_ROLLING : NULL;
+    double lever = scree_pair(place.batch, SCREE_PAIR_LEVER, place.index);
+    int lane = place.lane, k = place.index;
     struct vec spin = vec_sub(vec_from(bodies->record[contact->ball].w), vec_from(bodies->record[contact->host].w));
     struct vec velocity = vec_scale(lever, spin), n = middle.normal;
     double along = vec_dot(velocity, n);
@@ -716,42 +728,44 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
     struct scree_sliding twisting = rolling;
     twisting.velocity = vec(along, 0.0, 0.0);
     if (own) {
-        rolling.stretch = scree_into_tangent_plane(get(own, lane), n);
-        rolling.sliding = own[3][lane];
-        twisting.stretch = vec(own[4][lane], 0.0, 0.0);
-        twisting.sliding = own[5][lane];
+        rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);
+        rolling.sliding = own[3][k];
+        twisting.stretch = vec(own[4][k], 0.0, 0.0);
+        twisting.sliding = own[5][k];
     }
     struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], rolling);
     struct scree_tangential s = law->resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], twisting);
     struct vec turn = vec_scale(step * lever, vec_axpy(r.force, s.force.x, n));
     struct vec moment = vec_scale(0.5 * step, turn);
-    put(yield->turn_ball, lane, vec_add(get(yield->turn_ball, lane), turn));
-    put(yield->turn_host, lane, vec_sub(get(yield->turn_host, lane), turn));
-    put(moments->turn_ball, lane, vec_add(get(moments->turn_ball, lane), moment));
-    put(moments->turn_host, lane, vec_sub(get(moments->turn_host, lane), moment));
+    add_to(yield->turn_ball, lane, turn);
+    add_to(yield->turn_host, lane, vec_scale(-1.0, turn));
+    add_to(moments->turn_ball, lane, moment);
+    add_to(moments->turn_host, lane, vec_scale(-1.0, moment));
     yield->work_tangential -= step * (vec_dot(r.force, rolling.velocity) + s.force.x * along);
     if (!own) return;
-    put(own, lane, vec_scale(touches, r.stretch));
-    own[3][lane] = touches * r.sliding;
-    own[4][lane] = touches * s.stretch.x;
-    own[5][lane] = touches * s.sliding;
+    own[0][k] = touches * r.stretch.x;
+    own[1][k] = touches * r.stretch.y;
+    own[2][k] = touches * r.stretch.z;
+    own[3][k] = touches * r.sliding;
+    own[4][k] = touches * s.stretch.x;
+    own[5][k] = touches * s.sliding;
 }
 
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int idle(const struct scree_bodies *bodies, struct place place, double overlap) {
     const struct scree_batch *batch = place.batch;
-    const struct scree_contact *contact = &batch->contact[place.block * SCREE_LANES + place.lane];
+    const struct scree_contact *contact = &batch->contact[place.index];
     if (!(overlap + bodies->past[contact->ball].range + bodies->past[contact->host].range < 0.0)) return 0;
     for (int m = 0; m < SCREE_PAST; m++)
-        if (batch->past[place.block][m][place.lane] != 0.0) return 0;
-    for (int m = 0; batch->memory && m < SCREE_MEMORY; m++)
-        if (batch->kept[place.block][m][place.lane] != 0.0) return 0;
+        if (batch->past[m][place.index] != 0.0) return 0;
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (scree_kept(batch, m, place.index) != 0.0) return 0;
     return 1;
 }
 
 static void write_nothing(struct place place) {
-    struct scree_yield *yield = &place.batch->yield[place.block];
-    struct scree_moments *moments = &place.batch->moments[place.block];
+    struct scree_yield *yield = place.yield;
+    struct scree_moments *moments = place.moments;
     for (int k = 0; k < 3; k++) {
         yield->impulse[k][place.lane] = yield->turn_ball[k][place.lane] = yield->turn_host[k][place.lane] = 0.0;
         moments->impulse[k][place.lane] = moments->turn_ball[k][place.lane] = moments->turn_host[k][place.lane] = 0.0;
@@ -763,10 +777,10 @@ static void write_nothing(struct place place) {
 static void impel(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_bodies *bodies_now, struct place place, double step) {
     const struct scree_batch *batch = place.batch;
-    const struct scree_contact *contact = &batch->contact[place.block * SCREE_LANES + place.lane];
+    const struct scree_contact *contact = &batch->contact[place.index];
     struct view now = view_of(bodies_now, contact, batch->geometry);
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
-    batch->yield[place.block].depth[place.lane] = now.overlap / (a->limit < b->limit ? a->limit : b->limit);
+    place.yield->depth[place.lane] = now.overlap / (a->limit < b->limit ? a->limit : b->limit);
     if (idle(bodies, place, now.overlap)) {
         write_nothing(place);
         return;
@@ -787,9 +801,8 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     struct yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p.normal_give > 0.0) {
         double more = extrapolation(&p, &at);
-        double(*past)[SCREE_LANES] = batch->past[place.block];
-        struct vec own =
-            vec_axpy(get(past, place.lane), more, vec_sub(get(past, place.lane), get(past + 3, place.lane)));
+        struct vec last = past_of(batch, 0, place.index);
+        struct vec own = vec_axpy(last, more, vec_sub(last, past_of(batch, 1, place.index)));
         p.a = vec_sub(acceleration(&ball, own, more, step), acceleration(&host, own, more, step));
         p.a = vec_add(p.a, drift(&ball, &host, now, middle, velocity, step));
         sum = act(&p, &at);
@@ -799,52 +812,111 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     write_yield(&sum, middle, impulse, turn_along(sum.moment, now.normal, middle.normal), place);
     roll(contacts, bodies, place, middle, vec_dot(impulse, middle.normal) / step, at.overlap > 0.0, step);
     double steep = batch->slope * vec_dot(impulse, middle.normal) * 4.0 * (a->inverse_mass + b->inverse_mass);
-    batch->yield[place.block].steep[place.lane] = steep;
+    place.yield->steep[place.lane] = steep;
 }
 
 static int contacts_in_block(const struct scree_batch *batch, int block) {
-    int left = batch->count - block * SCREE_LANES;
+    int left = batch->segment[0].count - block * SCREE_LANES;
     return left < SCREE_LANES ? left : SCREE_LANES;
 }
 
 static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
     batch->yield[block].lost_normal = batch->yield[block].work_tangential = 0.0;
-    for (int lane = 0; lane < contacts_in_block(batch, block); lane++)
-        impel(contacts, bodies, now, (struct place){batch, block, lane}, step);
+    for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+        int index = batch->segment[0].first + block * SCREE_LANES + lane;
+        impel(contacts, bodies, now, (struct place){batch, index, lane, &batch->yield[block], &batch->moments[block]},
+              step);
+    }
 }
 
+/* `hosts` 0: the partner is frozen. */
 static void add_moments(struct scree_bodies *bodies, const struct scree_contact *contact,
-                        const struct scree_moments *moments, int lane, int turns) {
+                        const struct scree_moments *moments, int lane, int turns, int hosts) {
     struct scree_past *ball = &bodies->past[contact->ball], *host = &bodies->past[contact->host];
     for (int k = 0; k < 3; k++) {
         ball->moment[k] += moments->impulse[k][lane];
-        host->moment[k] -= moments->impulse[k][lane];
+        if (hosts) host->moment[k] -= moments->impulse[k][lane];
         if (!turns) continue;
         ball->turn_moment[k] += moments->turn_ball[k][lane];
-        host->turn_moment[k] += moments->turn_host[k][lane];
+        if (hosts) host->turn_moment[k] += moments->turn_host[k][lane];
+    }
+}
+
+static void add_impulses(struct scree_bodies *bodies, const struct scree_contact *contact,
+                         const struct scree_yield *yield, int turns, int hosts) {
+    struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    for (int k = 0; k < 3; k++) {
+        ball->f[k] += yield->impulse[k][0];
+        if (hosts) host->f[k] -= yield->impulse[k][0];
+        if (!turns) continue;
+        ball->t[k] += yield->turn_ball[k][0];
+        if (hosts) host->t[k] += yield->turn_host[k][0];
+    }
+}
+
+static void tally_up(const struct scree_contact *contact, const struct scree_yield *yield, struct scree_tally *tally) {
+    tally->lost_normal += yield->lost_normal;
+    tally->work_tangential += yield->work_tangential;
+    if (!(yield->depth[0] <= tally->deepest)) {
+        tally->deepest = yield->depth[0];
+        tally->deepest_ball = contact->ball;
+        tally->deepest_host = contact->host;
+    }
+    if (!(yield->steep[0] <= tally->steepest)) {
+        tally->steepest = yield->steep[0];
+        tally->steepest_ball = contact->ball;
+        tally->steepest_host = contact->host;
+    }
+}
+
+/* One step's arguments, for slabs. */
+struct stride {
+    const struct scree_bodies *now;
+};
+
+static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
+                          const struct scree_batch *batch, const struct scree_part *segment, double step,
+                          struct scree_tally *tally) {
+    const struct stride *stride = context;
+    struct scree_yield yield;
+    struct scree_moments moments;
+    int hosts = batch->geometry == SCREE_BALL_BALL;
+    for (int k = segment->first; k < segment->first + segment->count; k++) {
+        const struct scree_contact *contact = &batch->contact[k];
+        int turns = scree_contact_turns(batch, contact);
+        yield.lost_normal = yield.work_tangential = 0.0;
+        impel(contacts, bodies, stride->now, (struct place){batch, k, 0, &yield, &moments}, step);
+        add_impulses(bodies, contact, &yield, turns, hosts);
+        add_moments(bodies, contact, &moments, 0, turns, hosts);
+        tally_up(contact, &yield, tally);
+    }
+}
+
+static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
+                        const struct scree_batch *batch, double step, int threads) {
+    int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
+    if (threads > 1 && blocks > 8) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
+    } else {
+        for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
+    }
+    for (int block = 0; block < blocks; block++) {
+        scree_contacts_collect(contacts, bodies, batch, block);
+        for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+            const struct scree_contact *contact = &batch->contact[batch->segment[0].first + block * SCREE_LANES + lane];
+            add_moments(bodies, contact, &batch->moments[block], lane, scree_contact_turns(batch, contact), 1);
+        }
     }
 }
 
 void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                           double step, int threads) {
-    for (int k = 0; k < contacts->busy_batches; k++) {
-        const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
-        int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
-        if (threads > 1 && blocks > 8) {
-#pragma omp parallel for schedule(static) num_threads(threads)
-            for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
-        } else {
-            for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
-        }
-        for (int block = 0; block < blocks; block++) {
-            scree_contacts_collect(contacts, bodies, batch, block);
-            for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
-                const struct scree_contact *contact = &batch->contact[block * SCREE_LANES + lane];
-                add_moments(bodies, contact, &batch->moments[block], lane, scree_contact_turns(batch, contact));
-            }
-        }
-    }
+    struct stride stride = {now};
+    for (int k = 0; k < contacts->busy_batches; k++)
+        impel_loose(contacts, bodies, now, &contacts->batch[contacts->busy[k]], step, threads);
+    scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride);
 }
 
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps) {
@@ -857,7 +929,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
     for (int k = 0; k < bodies->count; k++) memset(&bodies->past[k], 0, sizeof bodies->past[k]);
     for (int b = 0; b < contacts->batches; b++) {
         struct scree_batch *batch = &contacts->batch[b];
-        for (int k = 0; k < batch->count; k++) {
+        for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) {
             struct scree_touch touch;
             if (!scree_contacts_measure(contacts, now, b, k, &touch)) continue;
             struct vec force = vec_axpy(touch.tangential, touch.normal_force, touch.normal);
@@ -873,7 +945,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
                 vec_store(vec_sub(vec_from(host->f[s]), impulse), host->f[s]);
                 vec_store(vec_add(vec_from(ball->t[s]), ball_turn), ball->t[s]);
                 vec_store(vec_add(vec_from(host->t[s]), host_turn), host->t[s]);
-                put(batch->past[k / SCREE_LANES] + 3 * s, k % SCREE_LANES, impulse);
+                keep_past(batch, s, k, impulse);
             }
         }
     }

@@ -1,4 +1,4 @@
-/* The list of near contacts: made from candidate pairs, sorted, with the contact memory of the list before. */
+/* The outer list: contacts that may get near before bodies have gone half a skin, made from candidate pairs. */
 #include "contact/contacts.h"
 
 #include "contact/geometry.h"
@@ -6,64 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t blocks_for(int count) { return ((size_t)count + SCREE_LANES - 1) / SCREE_LANES; }
+static const double steps_ahead = 200.0; /* that a body's margin lasts at its speed */
 
-static scree_status grow(struct scree_batch *batch, scree_trouble *trouble) {
-    int capacity = batch->capacity ? 2 * batch->capacity : SCREE_LANES;
-    size_t blocks = blocks_for(capacity);
-    struct scree_contact *contact = realloc(batch->contact, (size_t)capacity * sizeof *contact);
-    if (contact) batch->contact = contact;
-    struct scree_contact *old_contact = realloc(batch->old_contact, (size_t)capacity * sizeof *old_contact);
-    if (old_contact) batch->old_contact = old_contact;
-    void *pair = realloc(batch->pair, blocks * sizeof *batch->pair);
-    if (pair) batch->pair = pair;
-    struct scree_yield *yield = realloc(batch->yield, blocks * sizeof *yield);
-    if (yield) batch->yield = yield;
-    int ok = contact && old_contact && pair && yield;
-    if (batch->memory) {
-        void *kept = realloc(batch->kept, blocks * sizeof *batch->kept);
-        if (kept) batch->kept = kept;
-        void *old_kept = realloc(batch->old_kept, blocks * sizeof *batch->old_kept);
-        if (old_kept) batch->old_kept = old_kept;
-        ok = ok && kept && old_kept;
-    }
-    if (batch->impulses) {
-        void *past = realloc(batch->past, blocks * sizeof *batch->past);
-        if (past) batch->past = past;
-        void *old_past = realloc(batch->old_past, blocks * sizeof *batch->old_past);
-        if (old_past) batch->old_past = old_past;
-        void *moments = realloc(batch->moments, blocks * sizeof *batch->moments);
-        if (moments) batch->moments = moments;
-        ok = ok && past && old_past && moments;
-    }
-    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", capacity);
-    batch->capacity = capacity;
-    return SCREE_OK;
-}
-
-static scree_status add(struct scree_batch *batch, const struct scree_contact *contact, scree_trouble *trouble) {
-    if (batch->count == batch->capacity) {
-        scree_status status = grow(batch, trouble);
-        if (status) return status;
-    }
-    batch->contact[batch->count++] = *contact;
-    batch->any_turns |= scree_contact_turns(batch, contact);
-    return SCREE_OK;
-}
-
-scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_contact *contact, const double *kept,
-                                     const double *past, scree_trouble *trouble) {
-    int place = batch->count;
-    scree_status status = add(batch, contact, trouble);
-    for (int m = 0; !status && m < batch->memory; m++)
-        batch->kept[place / SCREE_LANES][m][place % SCREE_LANES] = kept[m];
-    for (int m = 0; !status && batch->impulses && m < SCREE_PAST; m++)
-        batch->past[place / SCREE_LANES][m][place % SCREE_LANES] = past[m];
-    return status;
-}
-
-/* The gap between a ball and its partner, as far as the list needs it: exact while it is small. */
-static double gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
+/* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
     int slot = bodies->slot[contact->host];
@@ -96,19 +42,67 @@ static enum scree_geometry geometry_on(scree_shape_kind host) {
     }
 }
 
-/* Add the balls of body `ball` that are near body `host`: its corners, or itself. */
-static scree_status add_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                              const struct scree_rule *rule, int ball, int host, scree_trouble *trouble) {
-    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[host].kind));
+/* Frozen partners that aren't balls don't mind how many slabs push them; whatever else isn't a member makes the contact one
+ * of segment 0. */
+int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                     const struct scree_contact *contact) {
+    int a = bodies->slab[contact->ball], b = bodies->slab[contact->host];
+    if (a < 0) return 0;
+    if (b < 0) {
+        int frozen = batch->geometry != SCREE_BALL_BALL && bodies->class[contact->host] == SCREE_CLASS_FIXED;
+        return frozen ? 1 + a : 0;
+    }
+    int low = a < b ? a : b;
+    return (a < b ? b - a : a - b) > 1 ? 0 : 1 + low;
+}
+
+static int order(int a, int b) { return (a > b) - (a < b); }
+
+/* In a slab's segment by the body that comes first, so that memory is walked; else by ball, partner, corner. */
+int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment) {
+    if (segment == 0) {
+        int by_ball = order(a->ball, b->ball), by_host = order(a->host, b->host);
+        return by_ball ? by_ball : by_host ? by_host : order(a->corner, b->corner);
+    }
+    int first_a = a->ball < a->host ? a->ball : a->host, first_b = b->ball < b->host ? b->ball : b->host;
+    int by_first = order(first_a, first_b);
+    return by_first ? by_first : order(a->ball + a->host - first_a, b->ball + b->host - first_b);
+}
+
+static int compare_loose(const void *a, const void *b) { return scree_compare_contacts(a, b, 0); }
+
+/* Candidates come sorted by their lower body, which isn't always the ball: put segment 0 in order. */
+static void sort(struct scree_batch *batch) {
+    struct scree_contact *contact = batch->outer + batch->segment[0].outer_first;
+    int count = batch->segment[0].outer_count;
+    for (int k = 1; k < count; k++)
+        if (scree_compare_contacts(&contact[k - 1], &contact[k], 0) > 0) {
+            qsort(contact, (size_t)count, sizeof *contact, compare_loose);
+            return;
+        }
+}
+
+/* What is done with a contact that the candidates yield: counted, or put in its place. */
+enum pass { COUNT, FILL };
+
+static void take(struct scree_contacts *contacts, const struct scree_bodies *bodies, const struct scree_rule *rule,
+                 const struct scree_contact *contact, enum pass pass) {
+    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[contact->host].kind));
+    struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
+    if (pass == FILL) batch->outer[segment->outer_first + segment->outer_count] = *contact;
+    batch->any_turns |= scree_contact_turns(batch, contact);
+    segment->outer_count++;
+}
+
+/* The balls of body `ball` that are near body `host`: its corners, or itself. */
+static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                       const struct scree_rule *rule, int ball, int host, enum pass pass) {
     int box = bodies->shape[ball].kind == SCREE_BOX;
     int first = box ? 1 + 8 * bodies->slot[ball] : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
-        if (!(gap(bodies, &contact, contacts->skin) <= contacts->skin)) continue;
-        scree_status status = add(batch, &contact, trouble);
-        if (status) return status;
+        if (scree_gap(bodies, &contact, contacts->skin) <= contacts->skin) take(contacts, bodies, rule, &contact, pass);
     }
-    return SCREE_OK;
 }
 
 /* Corners and faces are what two boxes meet with; where they are deep in each other all the same, edge against edge has gone
@@ -121,51 +115,81 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
     double deep = depth / fmin(a->limit, b->limit);
     if (deep <= contacts->deepest) return;
     contacts->deepest = deep;
-    contacts->deepest_ball = i;
-    contacts->deepest_host = j;
+    contacts->deepest_ball = bodies->number[i];
+    contacts->deepest_host = bodies->number[j];
 }
 
-static scree_status add_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
-                             scree_trouble *trouble) {
+static void take_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
+                      enum pass pass) {
     const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, i, j, NULL);
     scree_shape_kind a = bodies->shape[i].kind, b = bodies->shape[j].kind;
-    if (a == SCREE_SPHERE) return add_balls(contacts, bodies, rule, i, j, trouble);
-    if (b == SCREE_SPHERE || a != SCREE_BOX) return add_balls(contacts, bodies, rule, j, i, trouble);
-    scree_status status = add_balls(contacts, bodies, rule, i, j, trouble);
-    if (b != SCREE_BOX) return status;
-    note_depth(contacts, bodies, i, j);
-    return status ? status : add_balls(contacts, bodies, rule, j, i, trouble);
+    if (a == SCREE_SPHERE && b == SCREE_SPHERE && bodies->number[i] > bodies->number[j])
+        take_balls(contacts, bodies, rule, j, i, pass); /* who is the ball mustn't depend on the order */
+    else if (a == SCREE_SPHERE)
+        take_balls(contacts, bodies, rule, i, j, pass);
+    else
+        take_balls(contacts, bodies, rule, b == SCREE_SPHERE || a != SCREE_BOX ? j : i,
+                   b == SCREE_SPHERE || a != SCREE_BOX ? i : j, pass);
+    if (a != SCREE_BOX || b != SCREE_BOX) return;
+    if (pass == COUNT) note_depth(contacts, bodies, i, j);
+    take_balls(contacts, bodies, rule, j, i, pass);
 }
 
-static int compare(const struct scree_contact *a, const struct scree_contact *b) {
-    if (a->ball != b->ball) return a->ball < b->ball ? -1 : 1;
-    if (a->host != b->host) return a->host < b->host ? -1 : 1;
-    return (a->corner > b->corner) - (a->corner < b->corner);
+static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, enum pass pass) {
+    for (int b = 0; b < contacts->batches; b++) {
+        contacts->batch[b].any_turns = 0;
+        for (int s = 0; s <= bodies->order.slabs; s++) contacts->batch[b].segment[s].outer_count = 0;
+    }
+    for (int k = 0; k < contacts->pairs; k++)
+        take_pair(contacts, bodies, contacts->pair[k].i, contacts->pair[k].j, pass);
 }
 
-static int compare_contacts(const void *a, const void *b) { return compare(a, b); }
-
-/* Candidates come sorted by their lower body, which isn't always the ball: put the batch in order. */
-static void sort(struct scree_batch *batch) {
-    for (int k = 1; k < batch->count; k++)
-        if (compare(&batch->contact[k - 1], &batch->contact[k]) > 0) {
-            qsort(batch->contact, (size_t)batch->count, sizeof *batch->contact, compare_contacts);
-            return;
+/* Room for what was counted. */
+static scree_status make_room(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                              scree_trouble *trouble) {
+    contacts->busy_batches = 0;
+    for (int k = 0; k < contacts->batches; k++) {
+        struct scree_batch *batch = &contacts->batch[k];
+        batch->outer_count = 0;
+        for (int s = 0; s <= bodies->order.slabs; s++) {
+            batch->segment[s].outer_first = batch->outer_count;
+            batch->outer_count += batch->segment[s].outer_count;
         }
+        if (batch->outer_count) contacts->busy[contacts->busy_batches++] = k;
+        int wanted = batch->outer_count + batch->outer_count / 16 + 8;
+        if (batch->outer_count <= batch->outer_capacity) continue;
+        if (!scree_enlarge(&batch->outer, batch->outer_capacity, wanted, sizeof *batch->outer))
+            return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", wanted);
+        batch->outer_capacity = wanted;
+    }
+    return SCREE_OK;
 }
 
-/* Both lists are sorted, so one walk finds the contacts that go on. New ones start with empty memory. */
-static void carry_memory_over(struct scree_batch *batch) {
-    for (int k = 0, old = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
-        int real = k < batch->count; /* the last block is filled up with zeros */
-        while (real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) < 0) old++;
-        int same = real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) == 0;
-        for (int m = 0; m < batch->memory; m++)
-            batch->kept[k / SCREE_LANES][m][k % SCREE_LANES] =
-                same ? batch->old_kept[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
-        for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
-            batch->past[k / SCREE_LANES][m][k % SCREE_LANES] =
-                same ? batch->old_past[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
+/* Give a body a margin out of what is left of its half of the skin: so wide that it lasts for some steps. 0 if too little is
+ * left. */
+static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
+    struct scree_record *record = &bodies->record[k];
+    double half = 0.5 * contacts->skin, spare = contacts->spare[k];
+    double speed =
+        vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * (bodies->slot[k] < 0 ? 0.0 : record->bound);
+    double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
+    double margin = fmin(fmax(steps_ahead * way, least), most);
+    margin = fmin(fmax(margin, 4.0 * way), spare);
+    if (!(margin >= least && margin >= 2.0 * way)) return 0;
+    contacts->spare[k] = spare - margin;
+    record->path = half - margin;
+    return 1;
+}
+
+/* Margins after an outer list: narrow ones where bodies are many, all of the skin where they are few. */
+static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    double half = 0.5 * contacts->skin;
+    for (int k = 0; k < bodies->count; k++) {
+        int narrow = bodies->order.slabs > 0, fixed = bodies->class[k] == SCREE_CLASS_FIXED;
+        contacts->spare[k] = narrow ? half : 0.0;
+        bodies->record[k].path = fixed ? half : 0.0;
+        if (!narrow || fixed || grant(contacts, bodies, k)) continue;
+        bodies->record[k].path = contacts->spare[k] = 0.0; /* so fast that it takes all at once */
     }
 }
 
@@ -190,61 +214,90 @@ static struct columns constants_of(const struct scree_contacts *contacts, const 
     return columns;
 }
 
-/* The laws' constants for each pair of bodies; one block of them where all pairs have the same. */
-static void set_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                               struct scree_batch *batch) {
-    struct columns first = {{0.0}}, pair = first;
-    batch->uniform = 1;
-    for (int k = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
-        if (k < batch->count) pair = constants_of(contacts, bodies, batch, &batch->contact[k]);
-        if (k == 0) first = pair;
-        if (memcmp(&first, &pair, sizeof pair) != 0) batch->uniform = 0;
-        for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[k / SCREE_LANES][c][k % SCREE_LANES] = pair.c[c];
+/* What the constants of a pair depend on is the same for all contacts. */
+static int is_uniform(const struct scree_bodies *bodies, const struct scree_batch *batch) {
+    const struct scree_contact *first = batch->outer;
+    const struct scree_record *a = &bodies->record[first->ball], *b = &bodies->record[first->host];
+    for (int k = 1; k < batch->outer_count; k++) {
+        const struct scree_contact *one = &batch->outer[k];
+        const struct scree_record *c = &bodies->record[one->ball], *d = &bodies->record[one->host];
+        if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
+            b->inverse_mass != d->inverse_mass)
+            return 0;
     }
+    return 1;
 }
 
-static void set_aside(struct scree_batch *batch) {
-    struct scree_contact *contact = batch->contact;
-    double(*kept)[SCREE_MEMORY][SCREE_LANES] = batch->kept;
-    batch->contact = batch->old_contact;
-    batch->old_contact = contact;
-    batch->kept = batch->old_kept;
-    batch->old_kept = kept;
-    double(*past)[SCREE_PAST][SCREE_LANES] = batch->past;
-    batch->past = batch->old_past;
-    batch->old_past = past;
-    batch->old_count = batch->count;
-    batch->count = 0;
-    batch->any_turns = 0;
+static scree_status enlarge_constants(struct scree_batch *batch, int after, scree_trouble *trouble) {
+    int before = batch->pair_capacity, ok = 1;
+    if (after <= before) return SCREE_OK;
+    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) ok &= scree_enlarge(&batch->pair[c], before, after, sizeof(double));
+    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the constants of %d contacts", after);
+    batch->pair_capacity = after;
+    return SCREE_OK;
 }
 
-/* Undo set_aside after a failure, so that the old list stays in force. */
-static void take_back(struct scree_batch *batch) {
-    int count = batch->old_count;
-    set_aside(batch);
-    batch->count = count;
-    batch->any_turns = 1; /* as far as known; costs time only */
+scree_status scree_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                  struct scree_batch *batch, scree_trouble *trouble) {
+    scree_status status = enlarge_constants(batch, batch->capacity, trouble);
+    for (int s = 0; s <= bodies->order.slabs && !status; s++) {
+        const struct scree_part *segment = &batch->segment[s];
+        struct columns pair = {{0.0}};
+        for (int k = 0; k < segment->count + SCREE_PADDING - 1 && segment->first + k < batch->capacity; k++) {
+            int index = segment->first + k; /* the padding gets what the last contact has */
+            if (k < segment->count) pair = constants_of(contacts, bodies, batch, &batch->contact[index]);
+            for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][index] = pair.c[c];
+        }
+    }
+    return status;
+}
+
+/* One block of constants for all contacts, if they have the same. */
+static scree_status set_common_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                         struct scree_batch *batch, scree_trouble *trouble) {
+    batch->uniform = is_uniform(bodies, batch);
+    if (!batch->uniform) return SCREE_OK;
+    scree_status status = enlarge_constants(batch, SCREE_LANES, trouble);
+    if (status) return status;
+    struct columns pair = constants_of(contacts, bodies, batch, &batch->outer[0]);
+    for (int k = 0; k < SCREE_LANES; k++)
+        for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][k] = pair.c[c];
+    return SCREE_OK;
 }
 
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble) {
     scree_status status = scree_candidates(contacts, bodies, trouble);
     if (status) return status;
-    for (int k = 0; k < contacts->batches; k++) set_aside(&contacts->batch[k]);
-    for (int k = 0; k < contacts->pairs && !status; k++)
-        status = add_pair(contacts, bodies, contacts->pair[k].i, contacts->pair[k].j, trouble);
-    if (status) {
-        for (int k = 0; k < contacts->batches; k++) take_back(&contacts->batch[k]);
-        return status;
-    }
-    contacts->busy_batches = 0;
-    for (int k = 0; k < contacts->batches; k++) {
-        struct scree_batch *batch = &contacts->batch[k];
-        if (batch->count) contacts->busy[contacts->busy_batches++] = k;
+    take_all(contacts, bodies, COUNT);
+    status = make_room(contacts, bodies, trouble);
+    if (status) return status;
+    take_all(contacts, bodies, FILL);
+    grant_all(contacts, bodies);
+    for (int k = 0; k < contacts->busy_batches && !status; k++) {
+        struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         sort(batch);
-        if (batch->memory || batch->impulses) carry_memory_over(batch);
-        set_pair_constants(contacts, bodies, batch);
+        status = set_common_constants(contacts, bodies, batch, trouble);
     }
-    for (int k = 0; k < bodies->count; k++) bodies->record[k].path = 0.0;
+    if (status) return status;
     contacts->rebuilds++;
-    return SCREE_OK;
+    return scree_contacts_pick(contacts, bodies, 1, trouble);
+}
+
+scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                                  scree_trouble *trouble) {
+    double half = 0.5 * contacts->skin;
+    if (bodies->order.slabs == 0) return scree_contacts_list(contacts, bodies, trouble);
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
+        contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
+        if (!grant(contacts, bodies, k)) return scree_contacts_list(contacts, bodies, trouble);
+    }
+    contacts->renewals++;
+    return scree_contacts_pick(contacts, bodies, threads, trouble);
+}
+
+scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                                       scree_trouble *trouble) {
+    if (!scree_bodies_disordered(bodies)) return SCREE_OK;
+    return scree_contacts_sort(contacts, bodies, trouble);
 }

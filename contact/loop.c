@@ -1,109 +1,226 @@
 /* The contact loop: blocks of contacts go through short passes over columns that stay in the L1 cache,
- *   gather     body records -> normal, overlap, arms, relative velocity
+ *   fetch      body records, subtracted row by row
+ *   meet       normal and overlap
+ *   move       arms, relative velocity
  *   normal     the normal law
  *   friction   the friction law with its memory
  *   rolling    the rolling law with its memory, where there is one
  *   yield      impulses on both bodies
- * and the impulses are added to the bodies in the order of the list, whatever the number of threads. Each law makes one
- * pass from its inline function, so there are as many loops as laws, not as products of laws; choices are made per
- * batch, never per contact. */
+ * Each law makes one pass from its inline function, so there are as many loops as laws, not as products of laws; choices
+ * are made per batch, never per contact. This file is compiled once for each kind of processor (contact/meson.build), and
+ * uses nothing that could make a difference in a bit. */
+#include "contact/loop.h"
+#include "bodies/balls.h"
 #include "contact/law_list.h"
 #include "contact/meet.h"
 
+#include <string.h>
+
+/* Contacts that one instruction takes: passes run over full vectors. */
+#ifdef __AVX512F__
+enum { WIDTH = 8 };
+#else
+enum { WIDTH = 4 };
+#endif
+static int padded(int count) { return (count + WIDTH - 1) & -WIDTH; }
+
+/* A row of a body record, for arithmetic on all four numbers at once. */
+typedef scree_row row;
+
+#ifdef __AVX__
+/* Four rows to four columns, or back. */
+static inline void transpose(row r[4]) {
+    row a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+    row c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+    r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+    r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+    r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
+static inline void store_columns(row r[4], double (*column)[SCREE_LANES], int lane) {
+    transpose(r);
+    for (int i = 0; i < 4; i++) *(row *)&column[i][lane] = r[i];
+}
+#endif
+
 /* Columns of one block of contacts. */
 struct block {
+    double shift[4][SCREE_LANES];     /* from the host's centre to the ball body's, m; sum of radii */
+    double rush[4][SCREE_LANES];      /* velocity of the ball's centre against the host's, m/s; sum of inverse masses */
+    double ball_spin[4][SCREE_LANES]; /* rad/s; largest tolerable overlap, m */
+    double host_spin[4][SCREE_LANES];
+    double radius[SCREE_LANES];      /* of the ball, m */
     double n[3][SCREE_LANES];        /* unit normal, from the host towards the ball */
+    double corner[3][SCREE_LANES];   /* from the ball body's centre to the ball, m; boxes only */
     double arm[3][SCREE_LANES];      /* from the ball body's centre to the middle of the overlap, m */
-    double apart[3][SCREE_LANES];    /* from the host's centre to the ball body's, m */
     double overlap[SCREE_LANES];     /* m */
-    double limit[SCREE_LANES];       /* largest tolerable overlap, m */
-    double softness[SCREE_LANES];    /* velocity that a tangential impulse gives the pair, 1/kg */
     double closing[SCREE_LANES];     /* m/s */
     double slip[3][SCREE_LANES];     /* tangential velocity of the ball, m/s */
     double force[SCREE_LANES];       /* normal, N */
     double reversible[SCREE_LANES];  /* part of it that is stored, N */
+    double share[SCREE_LANES];       /* of the step during which the bodies touch */
     double touching[SCREE_LANES];    /* 1 while the contact lasts, else 0 */
     double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
     double friction[3][SCREE_LANES]; /* N */
+    double torque[3][SCREE_LANES];   /* of the rolling law on the ball, N m */
+    double power[SCREE_LANES];       /* that it takes from the motion, W */
 };
 
-/* Passes run over full vectors: the count of contacts rounded up to a multiple of 4. */
-static int padded(int count) { return (count + 3) & ~3; }
-
-static inline void put(double column[3][SCREE_LANES], int lane, struct vec a) {
+static inline void put(double (*column)[SCREE_LANES], int lane, struct vec a) {
     column[0][lane] = a.x;
     column[1][lane] = a.y;
     column[2][lane] = a.z;
+}
+
+static inline void put_kept(double *const *kept, int lane, struct vec a) {
+    kept[0][lane] = a.x;
+    kept[1][lane] = a.y;
+    kept[2][lane] = a.z;
 }
 
 static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
     return vec(column[0][lane], column[1][lane], column[2][lane]);
 }
 
-/* Geometry and relative velocity of one contact, into lane `lane`. */
-static inline void gather_one(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                              enum scree_geometry geometry, struct block *b, int lane) {
-    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    struct vec corner = vec_from(bodies->corner[contact->corner]);
-    struct vec centre = vec_add(vec_from(ball->x), corner);
-    struct scree_meeting m = scree_meet(bodies, contact, geometry, centre);
-    /* Both bodies are acted on at one point, the middle of the overlap, so that angular momentum is kept. */
-    struct vec arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal);
-    struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
-    struct vec velocity = vec_sub(vec_from(ball->v), vec_from(host->v));
-    velocity = vec_add(velocity, vec_cross(vec_from(ball->w), arm));
-    velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(arm, apart)));
-    double closing = -vec_dot(velocity, m.normal);
-    put(b->n, lane, m.normal);
-    put(b->arm, lane, arm);
-    put(b->apart, lane, apart);
-    put(b->slip, lane, vec_axpy(velocity, closing, m.normal));
-    b->overlap[lane] = m.overlap;
-    b->touching[lane] = m.overlap > 0.0 ? 1.0 : 0.0;
-    b->limit[lane] = ball->limit < host->limit ? ball->limit : host->limit;
-    b->closing[lane] = closing;
-    /* A ball's rotation makes it 3.5 times as soft as its mass, four corners that share a load four times. */
-    b->softness[lane] = 4.0 * (ball->inverse_mass + host->inverse_mass);
+/* ---- gather ---- */
+
+#ifdef __AVX__
+/* Contacts lane … lane + 3. The fourth numbers of the rows are added instead of subtracted: sums of radii and of inverse masses. */
+static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
+                              struct block *b) {
+    const row sign = {1.0, 1.0, 1.0, -1.0};
+    row shift[4], rush[4], ball_spin[4], host_spin[4];
+    for (int i = 0; i < 4; i++) {
+        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
+        shift[i] = *(const row *)ball->x - *(const row *)host->x * sign;
+        rush[i] = *(const row *)ball->v - *(const row *)host->v * sign;
+        ball_spin[i] = *(const row *)ball->w;
+        host_spin[i] = *(const row *)host->w;
+        b->radius[lane + i] = ball->radius;
+    }
+    store_columns(shift, b->shift, lane);
+    store_columns(rush, b->rush, lane);
+    store_columns(ball_spin, b->ball_spin, lane);
+    store_columns(host_spin, b->host_spin, lane);
+}
+
+#else
+/* Processors without such rows: number by number, which compilers do better than rows in halves. */
+static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
+                              struct block *b) {
+    for (int i = 0; i < 4; i++) {
+        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
+        for (int k = 0; k < 3; k++) {
+            b->shift[k][lane + i] = ball->x[k] - host->x[k];
+            b->rush[k][lane + i] = ball->v[k] - host->v[k];
+            b->ball_spin[k][lane + i] = ball->w[k];
+            b->host_spin[k][lane + i] = host->w[k];
+        }
+        b->radius[lane + i] = ball->radius;
+        b->shift[3][lane + i] = ball->radius + host->radius;
+        b->rush[3][lane + i] = ball->inverse_mass + host->inverse_mass;
+        b->ball_spin[3][lane + i] = ball->limit;
+        b->host_spin[3][lane + i] = host->limit;
+    }
+}
+#endif
+
+static void fetch(const struct scree_bodies *bodies, const struct scree_contact *contact, int count, struct block *b) {
+    for (int lane = 0; lane < padded(count); lane += 4) {
+        const struct scree_contact *four[4];
+        for (int i = 0; i < 4; i++) four[i] = &contact[lane + i < count ? lane + i : count - 1];
+        fetch_four(bodies->record, four, lane, b);
+    }
+}
+
+static void meet_balls(int count, struct block *b) {
+    const struct vec origin = {0.0, 0.0, 0.0};
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct vec apart = vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]);
+        struct scree_meeting m = scree_meet_ball(apart, b->shift[3][k], origin, 0.0);
+        put(b->n, k, m.normal);
+        b->overlap[k] = m.overlap;
+    }
+}
+
+/* Partners that aren't balls, one after the other. */
+static inline void meet_others(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                               enum scree_geometry geometry, struct block *b) {
+    for (int lane = 0; lane < padded(count); lane++) {
+        const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
+        struct vec corner = vec_from(bodies->corner[one->corner]);
+        struct vec centre = vec_add(vec_from(bodies->record[one->ball].x), corner);
+        struct scree_meeting m = scree_meet(bodies, one, geometry, centre);
+        put(b->corner, lane, corner);
+        put(b->n, lane, m.normal);
+        b->overlap[lane] = m.overlap;
+    }
+}
+
+static inline void move_all(int count, int corners, struct block *b) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
+        struct vec corner = corners ? vec(b->corner[0][k], b->corner[1][k], b->corner[2][k]) : vec(0.0, 0.0, 0.0);
+        struct scree_gait gait =
+            scree_gait_of(n, b->overlap[k], b->radius[k], corner, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]),
+                          vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
+                          vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]),
+                          vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
+        put(b->arm, k, gait.arm);
+        put(b->slip, k, gait.slip);
+        b->closing[k] = gait.closing;
+        b->touching[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
+    }
+}
+
+/* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. Where a block has none of
+ * these, it does without divisions. */
+static void share_out(int count, double step, struct block *b) {
+    int parting = 0;
+    _Pragma("omp simd reduction(| : parting)")
+    for (int k = 0; k < padded(count); k++) {
+        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
+        b->share[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
+        parting |= !(fabs(b->overlap[k]) >= way);
+    }
+    if (!parting) return;
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
+        double share = 0.5 + 0.5 * (b->overlap[k] / way);
+        share = share < 1.0 ? share : 1.0;
+        b->share[k] = share > 0.0 ? share : 0.0;
+    }
 }
 
 static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
                    enum scree_geometry geometry, struct block *b) {
-    for (int lane = 0; lane < padded(count); lane++) {
-        const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
-        switch (geometry) { /* constant arguments: each case becomes a loop body of its own */
-        case SCREE_BALL_BALL:
-            gather_one(bodies, one, SCREE_BALL_BALL, b, lane);
-            break;
-        case SCREE_BALL_PLANE:
-            gather_one(bodies, one, SCREE_BALL_PLANE, b, lane);
-            break;
-        case SCREE_BALL_RECTANGLE:
-            gather_one(bodies, one, SCREE_BALL_RECTANGLE, b, lane);
-            break;
-        default:
-            gather_one(bodies, one, SCREE_BALL_BOX, b, lane);
-            break;
-        }
+    fetch(bodies, contact, count, b);
+    switch (geometry) { /* constant arguments: each case becomes a loop of its own */
+    case SCREE_BALL_BALL:
+        meet_balls(count, b);
+        move_all(count, 0, b);
+        return;
+    case SCREE_BALL_PLANE:
+        meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
+        break;
+    case SCREE_BALL_RECTANGLE:
+        meet_others(bodies, contact, count, SCREE_BALL_RECTANGLE, b);
+        break;
+    default:
+        meet_others(bodies, contact, count, SCREE_BALL_BOX, b);
+        break;
     }
+    move_all(count, 1, b);
 }
 
-typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, double (*pair)[SCREE_LANES],
-                      double (*kept)[SCREE_LANES], double step);
+/* ---- laws ---- */
 
-/* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. */
-static inline double share_in_touch(double overlap, double closing, double step) {
-    double way = 0.5 * step * fabs(closing) + SCREE_NO_SPEED;
-    double share = 0.5 + 0.5 * (overlap / way);
-    share = share < 1.0 ? share : 1.0;
-    return share > 0.0 ? share : 0.0;
-}
-
-/* Energy that is lost when bodies attach whose law reaches beyond touch: it binds them at once, and counts from the end. */
-static inline double snap_energy(double (*stored)(const struct scree_law_constants *, struct scree_pair_constants,
-                                                  struct scree_pressing),
-                                 const struct scree_law_constants *law, struct scree_pair_constants pair) {
-    return -stored(law, pair, (struct scree_pressing){0.0, 0.0, 0.0, 1.0});
-}
+typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
+                      double *const *kept, double step);
 
 /* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step in
  * which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The spring
@@ -111,9 +228,10 @@ static inline double snap_energy(double (*stored)(const struct scree_law_constan
  * compared again: a second comparison would make a branch of the law, and no vector. */
 #define NORMAL_PASS(word)                                                                                              \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
-                                   double(*pair)[SCREE_LANES], double(*kept)[SCREE_LANES], double step) {              \
+                                   const double *const *pair, double *const *kept, double step) {                      \
+        (void)step;                                                                                                    \
         struct scree_law_constants constants = *law;                                                                   \
-        double(*own)[SCREE_LANES] = kept ? kept + SCREE_KEPT_NORMAL : NULL;                                            \
+        double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
         _Pragma("omp simd")                                                                                            \
         for (int k = 0; k < padded(count); k++) {                                                                      \
             struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                  \
@@ -127,11 +245,11 @@ static inline double snap_energy(double (*stored)(const struct scree_law_constan
                 own[0][k] = f.first;                                                                                   \
                 own[1][k] = f.second;                                                                                  \
             }                                                                                                          \
-            double touching = b->touching[k], share = share_in_touch(at.overlap, at.closing, step);                    \
+            double touching = b->touching[k], share = b->share[k];                                                     \
             if (scree_normal_##word.reach) {                                                                           \
                 touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                         \
                 b->snap[k] =                                                                                           \
-                    touching > at.second ? snap_energy(scree_normal_##word.stored, &constants, of_pair) : 0.0;         \
+                    touching > at.second ? scree_snap_energy(scree_normal_##word.stored, &constants, of_pair) : 0.0;   \
                 b->touching[k] = touching;                                                                             \
             }                                                                                                          \
             double force = touching * f.elastic + share * f.damping * at.closing;                                      \
@@ -145,7 +263,7 @@ SCREE_NORMAL_LAWS(NORMAL_PASS)
 /* One pass per friction law. The memory belongs to the ends of steps, the velocity to their middle. */
 #define FRICTION_PASS(word)                                                                                            \
     static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
-                                     double(*pair)[SCREE_LANES], double(*kept)[SCREE_LANES], double step) {            \
+                                     const double *const *pair, double *const *kept, double step) {                    \
         struct scree_law_constants constants = *law;                                                                   \
         double half = 0.5 * step;                                                                                      \
         _Pragma("omp simd")                                                                                            \
@@ -157,61 +275,44 @@ SCREE_NORMAL_LAWS(NORMAL_PASS)
             at.closing = b->closing[k];                                                                                \
             at.velocity = get(b->slip, k);                                                                             \
             if (scree_friction_##word.memory) {                                                                        \
-                at.stretch = scree_into_tangent_plane(get(kept, k), get(b->n, k));                                     \
+                at.stretch = scree_into_tangent_plane(vec(kept[0][k], kept[1][k], kept[2][k]), get(b->n, k));          \
                 at.sliding = kept[3][k];                                                                               \
             }                                                                                                          \
             struct scree_tangential f = friction_##word##_force(&constants, of_pair, at);                              \
             put(b->friction, k, f.force);                                                                              \
             if (scree_friction_##word.memory) {                                                                        \
-                put(kept, k, vec_scale(b->touching[k], f.stretch));                                                    \
+                put_kept(kept, k, vec_scale(b->touching[k], f.stretch));                                               \
                 kept[3][k] = b->touching[k] * f.sliding;                                                               \
             }                                                                                                          \
         }                                                                                                              \
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
 
-/* Columns of the relative turning, at the lever of the rolling law. */
-struct turning {
-    double rolling[3][SCREE_LANES],
-        twisting[SCREE_LANES];     /* lever x angular velocity of the ball against the host, m/s */
-    double torque[3][SCREE_LANES]; /* on the ball, N m */
-    double power[SCREE_LANES];     /* taken from the motion, W */
-};
-
-static inline void gather_turning(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                                  const struct block *b, double (*pair)[SCREE_LANES], struct turning *t) {
-    for (int lane = 0; lane < padded(count); lane++) {
-        const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
-        struct vec spin = vec_sub(vec_from(bodies->record[one->ball].w), vec_from(bodies->record[one->host].w));
-        struct vec velocity = vec_scale(pair[SCREE_PAIR_LEVER][lane], spin),
-                   n = get((double(*)[SCREE_LANES])b->n, lane);
-        t->twisting[lane] = vec_dot(velocity, n);
-        put(t->rolling, lane, vec_axpy(velocity, -t->twisting[lane], n));
-    }
+/* Columns for the rolling laws: lever x angular velocity of the ball against the host, m/s. */
+static inline struct vec turning_at(const struct block *b, int k, double lever) {
+    return vec_scale(lever, vec(b->ball_spin[0][k] - b->host_spin[0][k], b->ball_spin[1][k] - b->host_spin[1][k],
+                                b->ball_spin[2][k] - b->host_spin[2][k]));
 }
 
-typedef void rolling_pass(const struct block *b, struct turning *t, int count, const struct scree_law_constants *law,
-                          double (*pair)[SCREE_LANES], double (*kept)[SCREE_LANES], double step);
-
-/* One pass per rolling law: rolling, then twisting. */
+/* One pass per rolling law: rolling, then twisting, at the lever of the pair. */
 #define ROLLING_PASS(word)                                                                                             \
-    static void rolling_pass_##word(const struct block *b, struct turning *t, int count,                               \
-                                    const struct scree_law_constants *law, double(*pair)[SCREE_LANES],                 \
-                                    double(*kept)[SCREE_LANES], double step) {                                         \
+    static void rolling_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                 \
+                                    const double *const *pair, double *const *kept, double step) {                     \
         struct scree_law_constants constants = *law;                                                                   \
-        double(*own)[SCREE_LANES] = kept ? kept + SCREE_KEPT_ROLLING : NULL;                                           \
+        double *const *own = kept + SCREE_KEPT_ROLLING;                                                                \
         _Pragma("omp simd")                                                                                            \
         for (int k = 0; k < padded(count); k++) {                                                                      \
             double lever = pair[SCREE_PAIR_LEVER][k];                                                                  \
-            struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);                                                    \
+            struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), velocity = turning_at(b, k, lever);                \
+            double along = vec_dot(velocity, n);                                                                       \
             struct scree_sliding rolling = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0,                           \
                                             .overlap = b->overlap[k],                                                  \
                                             .half = 0.5 * step,                                                        \
-                                            .velocity = get(t->rolling, k)};                                           \
+                                            .velocity = vec_axpy(velocity, -along, n)};                                \
             struct scree_sliding twisting = rolling;                                                                   \
-            twisting.velocity = vec(t->twisting[k], 0.0, 0.0);                                                         \
+            twisting.velocity = vec(along, 0.0, 0.0);                                                                  \
             if (scree_rolling_##word.memory) {                                                                         \
-                rolling.stretch = scree_into_tangent_plane(get(own, k), n);                                            \
+                rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);                   \
                 rolling.sliding = own[3][k];                                                                           \
                 twisting.stretch = vec(own[4][k], 0.0, 0.0);                                                           \
                 twisting.sliding = own[5][k];                                                                          \
@@ -220,10 +321,10 @@ typedef void rolling_pass(const struct block *b, struct turning *t, int count, c
                 rolling_##word##_resist(&constants, constants.c[SCREE_ROLLING_COEFFICIENT], rolling);                  \
             struct scree_tangential s =                                                                                \
                 rolling_##word##_resist(&constants, constants.c[SCREE_TWISTING_COEFFICIENT], twisting);                \
-            put(t->torque, k, vec_scale(lever, vec_axpy(r.force, s.force.x, n)));                                      \
-            t->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * t->twisting[k]);                          \
+            put(b->torque, k, vec_scale(lever, vec_axpy(r.force, s.force.x, n)));                                      \
+            b->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * along);                                   \
             if (scree_rolling_##word.memory) {                                                                         \
-                put(own, k, vec_scale(b->touching[k], r.stretch));                                                     \
+                put_kept(own, k, vec_scale(b->touching[k], r.stretch));                                                \
                 own[3][k] = b->touching[k] * r.sliding;                                                                \
                 own[4][k] = b->touching[k] * s.stretch.x;                                                              \
                 own[5][k] = b->touching[k] * s.sliding;                                                                \
@@ -233,7 +334,7 @@ typedef void rolling_pass(const struct block *b, struct turning *t, int count, c
 SCREE_ROLLING_LAWS(ROLLING_PASS)
 
 #define ENTRY(word) rolling_pass_##word,
-static rolling_pass *const rolling_passes[] = {SCREE_ROLLING_LAWS(ENTRY)};
+static law_pass *const rolling_passes[] = {SCREE_ROLLING_LAWS(ENTRY)};
 #undef ENTRY
 #define ENTRY(word) normal_pass_##word,
 static law_pass *const normal_passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
@@ -242,40 +343,67 @@ static law_pass *const normal_passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
 static law_pass *const friction_passes[] = {SCREE_FRICTION_LAWS(ENTRY)};
 #undef ENTRY
 
-/* Impulses on both bodies. Without friction a ball at the centre of its body can't turn it. */
-static void write_yield(const struct block *b, int count, double step, int friction, int turns, double slope,
-                        struct scree_yield *yield) {
+/* ---- what comes out ---- */
+
+/* Impulse and angular impulses of one contact. Without friction a ball at the centre of its body can't turn it. */
+struct kick {
+    struct vec impulse, turn_ball, turn_host;
+};
+
+static inline struct kick kick_of(const struct block *b, int k, double step, int friction, int turns, int rolls) {
+    struct kick kick = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    struct vec j = vec_scale(step * b->force[k], vec(b->n[0][k], b->n[1][k], b->n[2][k]));
+    if (friction) j = vec_axpy(j, step, vec(b->friction[0][k], b->friction[1][k], b->friction[2][k]));
+    kick.impulse = j;
+    if (!turns) return kick;
+    struct vec arm = vec(b->arm[0][k], b->arm[1][k], b->arm[2][k]);
+    struct vec reach = vec_add(arm, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]));
+    kick.turn_ball = vec_cross(arm, j);
+    kick.turn_host = vec(reach.z * j.y - reach.y * j.z, reach.x * j.z - reach.z * j.x, reach.y * j.x - reach.x * j.y);
+    if (!rolls) return kick;
+    struct vec torque = vec(b->torque[0][k], b->torque[1][k], b->torque[2][k]);
+    kick.turn_ball = vec_axpy(kick.turn_ball, step, torque);
+    kick.turn_host = vec_sub(kick.turn_host, vec_scale(step, torque));
+    return kick;
+}
+
+static inline void write_kicks(const struct block *b, int count, double step, int friction, int turns, int rolls,
+                               struct scree_yield *yield) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        double f = step * b->force[k];
-        double jx = f * b->n[0][k], jy = f * b->n[1][k], jz = f * b->n[2][k];
-        if (friction) {
-            jx += step * b->friction[0][k];
-            jy += step * b->friction[1][k];
-            jz += step * b->friction[2][k];
-        }
-        yield->impulse[0][k] = jx;
-        yield->impulse[1][k] = jy;
-        yield->impulse[2][k] = jz;
-        yield->depth[k] = b->overlap[k] / b->limit[k];
-        yield->steep[k] = step * slope * b->force[k] * b->softness[k];
+        struct kick kick = kick_of(b, k, step, friction, turns, rolls);
+        put(yield->impulse, k, kick.impulse);
         if (!turns) continue;
-        double ax = b->arm[0][k], ay = b->arm[1][k], az = b->arm[2][k];
-        yield->turn_ball[0][k] = ay * jz - az * jy;
-        yield->turn_ball[1][k] = az * jx - ax * jz;
-        yield->turn_ball[2][k] = ax * jy - ay * jx;
-        ax += b->apart[0][k];
-        ay += b->apart[1][k];
-        az += b->apart[2][k];
-        yield->turn_host[0][k] = az * jy - ay * jz;
-        yield->turn_host[1][k] = ax * jz - az * jx;
-        yield->turn_host[2][k] = ay * jx - ax * jy;
+        put(yield->turn_ball, k, kick.turn_ball);
+        put(yield->turn_host, k, kick.turn_host);
+    }
+}
+
+static void write_yield(const struct block *b, int count, const struct scree_batch *batch, int friction, int rolls,
+                        double step, struct scree_yield *yield) {
+    if (rolls)
+        write_kicks(b, count, step, friction, 1, 1, yield);
+    else if (friction)
+        write_kicks(b, count, step, 1, 1, 0, yield);
+    else if (batch->any_turns)
+        write_kicks(b, count, step, 0, 1, 0, yield);
+    else
+        write_kicks(b, count, step, 0, 0, 0, yield);
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        double limit = b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
+        yield->depth[k] = b->overlap[k] / limit;
+        /* A ball's rotation makes it 3.5 times as soft as its mass, four corners that share a load four times. */
+        yield->steep[k] = step * batch->slope * b->force[k] * (4.0 * b->rush[3][k]);
     }
 }
 
 /* What the contacts took out of the motion during the step. Summed lane by lane: a fixed order. */
-static void measure_losses(const struct block *b, int count, double step, int friction, int snaps,
-                           struct scree_yield *yield) {
+struct losses {
+    double normal, tangential;
+};
+
+static struct losses measure_losses(const struct block *b, int count, double step, int friction, int rolls, int snaps) {
     double normal = 0.0, tangential = 0.0;
     for (int k = 0; k < count; k++) {
         normal += step * (b->force[k] - b->reversible[k]) * b->closing[k];
@@ -284,195 +412,191 @@ static void measure_losses(const struct block *b, int count, double step, int fr
             tangential -= step * (b->friction[0][k] * b->slip[0][k] + b->friction[1][k] * b->slip[1][k] +
                                   b->friction[2][k] * b->slip[2][k]);
     }
-    yield->lost_normal = normal;
-    yield->work_tangential = tangential;
+    for (int k = 0; rolls && k < count; k++) tangential += step * b->power[k];
+    return (struct losses){normal, tangential};
 }
 
-static int contacts_in_block(const struct scree_batch *batch, int block) {
-    int left = batch->count - block * SCREE_LANES;
-    return left < SCREE_LANES ? left : SCREE_LANES;
-}
-
-/* The rolling law of a block: torques on both bodies, equal and opposite, on top of what the forces yield. */
-static void act_turning(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                        const struct scree_batch *batch, int block, const struct block *b, double step) {
-    struct turning t;
+/* All passes but the last. */
+static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                  const struct scree_batch *batch, int first, int count, double step, struct block *b) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
-    struct scree_yield *yield = &batch->yield[block];
-    double(*pair)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
-    int count = contacts_in_block(batch, block);
-    gather_turning(bodies, batch->contact + block * SCREE_LANES, count, b, pair, &t);
-    rolling_passes[rule->rolling](b, &t, count, &rule->rolling_constants, pair,
-                                  batch->memory ? batch->kept[block] : NULL, step);
-    for (int axis = 0; axis < 3; axis++)
-        for (int k = 0; k < count; k++) {
-            yield->turn_ball[axis][k] += step * t.torque[axis][k];
-            yield->turn_host[axis][k] -= step * t.torque[axis][k];
+    const double *pair[SCREE_PAIR_COLUMNS];
+    double *kept[SCREE_MEMORY];
+    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
+    for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
+    gather(bodies, batch->contact + first, count, batch->geometry, b);
+    share_out(count, step, b);
+    normal_passes[rule->normal](b, count, &rule->normal_constants, pair, kept, step);
+    if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
+    if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
+}
+
+static void act(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
+    struct block b;
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
+    press(contacts, bodies, batch, first, count, step, &b);
+    write_yield(&b, count, batch, friction, rolls, step, yield);
+    if (!contacts->measured) return;
+    struct losses losses = measure_losses(&b, count, step, friction, rolls, snaps);
+    yield->lost_normal = losses.normal;
+    yield->work_tangential = losses.tangential;
+}
+
+/* ---- straight into the bodies ---- */
+
+/* Columns of impulses and angular impulses; those of their fourth rows are zero. */
+struct kicks {
+    double impulse[4][SCREE_LANES], turn_ball[4][SCREE_LANES], turn_host[4][SCREE_LANES];
+};
+
+static inline void make_kicks(const struct block *b, int count, double step, int friction, int turns, int rolls,
+                              struct kicks *kicks) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct kick kick = kick_of(b, k, step, friction, turns, rolls);
+        put(kicks->impulse, k, kick.impulse);
+        if (!turns) continue;
+        put(kicks->turn_ball, k, kick.turn_ball);
+        put(kicks->turn_host, k, kick.turn_host);
+    }
+}
+
+/* `hosts`: partners are pushed too; else they are frozen, and several slabs have them in common. */
+#ifdef __AVX__
+static inline void load_rows(double (*column)[SCREE_LANES], int lane, row r[4]) {
+    for (int i = 0; i < 3; i++) r[i] = *(const row *)&column[i][lane];
+    r[3] = (row){0.0, 0.0, 0.0, 0.0};
+    transpose(r);
+}
+
+static inline void add_kicks(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
+                             int hosts, struct kicks *kicks) {
+    for (int lane = 0; lane < count; lane += 4) {
+        row impulse[4], turn_ball[4], turn_host[4];
+        load_rows(kicks->impulse, lane, impulse);
+        if (turns) load_rows(kicks->turn_ball, lane, turn_ball);
+        if (turns && hosts) load_rows(kicks->turn_host, lane, turn_host);
+        for (int i = 0; i < 4 && lane + i < count; i++) {
+            struct scree_record *ball = &bodies->record[contact[lane + i].ball];
+            struct scree_record *host = &bodies->record[contact[lane + i].host];
+            *(row *)ball->f += impulse[i];
+            if (turns) *(row *)ball->t += turn_ball[i];
+            if (!hosts) continue;
+            *(row *)host->f -= impulse[i];
+            if (turns) *(row *)host->t += turn_host[i];
         }
-    for (int k = 0; contacts->measured && k < count; k++) yield->work_tangential += step * t.power[k];
+    }
+}
+#else
+static inline void add_kicks(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
+                             int hosts, struct kicks *kicks) {
+    for (int lane = 0; lane < count; lane++) {
+        struct scree_record *ball = &bodies->record[contact[lane].ball];
+        struct scree_record *host = &bodies->record[contact[lane].host];
+        for (int k = 0; k < 3; k++) {
+            ball->f[k] += kicks->impulse[k][lane];
+            if (turns) ball->t[k] += kicks->turn_ball[k][lane];
+            if (!hosts) continue;
+            host->f[k] -= kicks->impulse[k][lane];
+            if (turns) host->t[k] += kicks->turn_host[k][lane];
+        }
+    }
+}
+#endif
+
+static void push(const struct block *b, struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                 const struct scree_batch *batch, int friction, int rolls, double step) {
+    struct kicks kicks;
+    int hosts = batch->geometry == SCREE_BALL_BALL;
+    if (rolls)
+        make_kicks(b, count, step, friction, 1, 1, &kicks);
+    else if (friction)
+        make_kicks(b, count, step, 1, 1, 0, &kicks);
+    else
+        make_kicks(b, count, step, 0, 0, 0, &kicks);
+    if (!friction && !rolls)
+        add_kicks(bodies, contact, count, 0, hosts, &kicks);
+    else if (hosts)
+        add_kicks(bodies, contact, count, 1, 1, &kicks);
+    else
+        add_kicks(bodies, contact, count, 1, 0, &kicks);
 }
 
-static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                      const struct scree_batch *batch, int block, double step) {
+/* Limit of the overlap in a lane, m. */
+static inline double limit_of(const struct block *b, int k) {
+    return b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
+}
+
+/* The deepest overlap; a block without one that can be deeper than those before is done with quickly. */
+static void note_depths(const struct block *b, const struct scree_contact *contact, int count,
+                        struct scree_tally *tally) {
+    double most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
+    int deeper = 0;
+    _Pragma("omp simd reduction(| : deeper)")
+    for (int k = 0; k < padded(count); k++) deeper |= !(b->overlap[k] <= most * limit_of(b, k));
+    for (int k = 0; deeper && k < count; k++) {
+        double depth = b->overlap[k] / limit_of(b, k);
+        if (depth <= tally->deepest) continue;
+        tally->deepest = depth;
+        tally->deepest_ball = contact[k].ball;
+        tally->deepest_host = contact[k].host;
+    }
+}
+
+/* The steepest friction, of laws that have a slope. */
+static void note_slopes(const struct block *b, const struct scree_contact *contact, int count, double slope,
+                        double step, struct scree_tally *tally) {
+    for (int k = 0; k < count; k++) {
+        double steep = step * slope * b->force[k] * (4.0 * b->rush[3][k]);
+        if (steep <= tally->steepest) continue;
+        tally->steepest = steep;
+        tally->steepest_ball = contact[k].ball;
+        tally->steepest_host = contact[k].host;
+    }
+}
+
+static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
+                         const struct scree_batch *batch, int first, int count, double step,
+                         struct scree_tally *tally) {
     struct block b;
     const struct scree_rule *rule = &contacts->rule[batch->rule];
-    int count = contacts_in_block(batch, block), friction = rule->friction >= 0;
-    gather(bodies, batch->contact + block * SCREE_LANES, count, batch->geometry, &b);
-    double(*pair)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
-    double(*kept)[SCREE_LANES] = batch->memory ? batch->kept[block] : NULL;
-    normal_passes[rule->normal](&b, count, &rule->normal_constants, pair, kept, step);
-    if (friction) friction_passes[rule->friction](&b, count, &rule->friction_constants, pair, kept, step);
-    write_yield(&b, count, step, friction, batch->any_turns, batch->slope, &batch->yield[block]);
-    int snaps = scree_normal_laws[rule->normal]->reach != NULL;
-    if (contacts->measured) measure_losses(&b, count, step, friction, snaps, &batch->yield[block]);
-    if (rule->rolling >= 0) act_turning(contacts, bodies, batch, block, &b, step);
-}
-
-static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
-                          const struct scree_yield *yield, int lane, int turns) {
-    struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    for (int k = 0; k < 3; k++) {
-        ball->f[k] += yield->impulse[k][lane];
-        host->f[k] -= yield->impulse[k][lane];
-    }
-    for (int k = 0; turns && k < 3; k++) {
-        ball->t[k] += yield->turn_ball[k][lane];
-        host->t[k] += yield->turn_host[k][lane];
+    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
+    for (int done = 0; done < count; done += SCREE_LANES) {
+        int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
+        const struct scree_contact *contact = batch->contact + first + done;
+        press(contacts, bodies, batch, first + done, here, step, &b);
+        push(&b, bodies, contact, here, batch, friction, rolls, step);
+        note_depths(&b, contact, here, tally);
+        if (batch->slope != 0.0) note_slopes(&b, contact, here, batch->slope, step, tally);
+        if (contacts->measured) {
+            struct losses losses = measure_losses(&b, here, step, friction, rolls, snaps);
+            tally->lost_normal += losses.normal;
+            tally->work_tangential += losses.tangential;
+        }
     }
 }
 
-/* Keep the largest value so far, and whose it was. */
-static inline void note(double value, const struct scree_contact *contact, double *largest, int *ball, int *host) {
-    if (value <= *largest) return;
-    *largest = value;
-    *ball = contact->ball;
-    *host = contact->host;
-}
+/* ---- bodies ---- */
 
-static inline void collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
-                           const struct scree_batch *batch, int block) {
-    const struct scree_contact *contact = batch->contact + block * SCREE_LANES;
-    const struct scree_yield *yield = &batch->yield[block];
-    for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
-        add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));
-        note(yield->depth[lane], &contact[lane], &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
-        note(yield->steep[lane], &contact[lane], &contacts->steepest, &contacts->steepest_ball,
-             &contacts->steepest_host);
+static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go) {
+    int too_far = 0;
+    scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
+    for (int k = from; k < to; k++) {
+        if (bodies->class[k] != SCREE_CLASS_BALL) {
+            memset(bodies->record[k].f, 0, sizeof bodies->record[k].f);
+            memset(bodies->record[k].t, 0, sizeof bodies->record[k].t);
+            continue;
+        }
+        scree_ball_advance(&bodies->record[k], &bodies->state[k], go->step, gravity);
+        if (go->ahead)
+            too_far |= scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], go->step, next, go->margin);
     }
-    if (contacts->measured) {
-        contacts->lost_normal += yield->lost_normal;
-        contacts->work_tangential += yield->work_tangential;
-    }
+    return too_far;
 }
 
-void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
-                            const struct scree_batch *batch, int block) {
-    collect(contacts, bodies, batch, block);
-}
-
-/* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
-static void act_blocks(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
-                       int blocks, double step, int threads) {
-    if (threads > 1 && blocks > 64) {
-#pragma omp parallel for schedule(static) num_threads(threads)
-        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
-    } else {
-        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
-    }
-}
-
-void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
-    for (int k = 0; k < contacts->busy_batches; k++) {
-        const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
-        int blocks = (batch->count + SCREE_LANES - 1) / SCREE_LANES;
-        act_blocks(contacts, bodies, batch, blocks, step, threads);
-        for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
-    }
-}
-
-/* Friction at this instant, and what its spring holds. */
-static void measure_friction(const struct scree_rule *rule, struct scree_pair_constants pair,
-                             double (*kept)[SCREE_LANES], int lane, struct scree_touch *touch) {
-    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
-    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
-                               .overlap = touch->overlap,
-                               .velocity = touch->slip};
-    if (friction->memory) {
-        at.stretch = scree_into_tangent_plane(get(kept, lane), touch->normal);
-        at.sliding = kept[3][lane];
-    }
-    struct scree_tangential t = friction->force(&rule->friction_constants, pair, at);
-    touch->tangential = t.force;
-    touch->stretch = t.stretch;
-    touch->sliding = t.sliding > 0.0;
-    at.stretch = t.stretch;
-    touch->stored_in_friction = friction->stored(&rule->friction_constants, pair, at);
-}
-
-/* Torque of the rolling law at this instant, and what its springs hold. */
-static void measure_turning(const struct scree_rule *rule, const struct scree_bodies *bodies, double lever,
-                            const double kept[6], struct scree_touch *touch) {
-    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
-    const struct scree_law_constants *constants = &rule->rolling_constants;
-    struct vec n = touch->normal;
-    struct vec spin = vec_sub(vec_from(bodies->record[touch->ball].w), vec_from(bodies->record[touch->host].w));
-    struct vec velocity = vec_scale(lever, spin);
-    double along = vec_dot(velocity, n);
-    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
-                               .overlap = touch->overlap,
-                               .velocity = vec_axpy(velocity, -along, n)};
-    at.stretch = scree_into_tangent_plane(vec_from(kept), n);
-    at.sliding = kept[3];
-    struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], at);
-    at.velocity = vec(along, 0.0, 0.0);
-    at.stretch = vec(kept[4], 0.0, 0.0);
-    at.sliding = kept[5];
-    struct scree_tangential s = law->resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], at);
-    touch->torque = vec_scale(lever, vec_axpy(r.force, s.force.x, n));
-    touch->stored_in_friction += 0.5 * law->stiffness(constants) * (vec_norm2(r.stretch) + s.stretch.x * s.stretch.x);
-}
-
-int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,
-                           int index, struct scree_touch *touch) {
-    const struct scree_batch *batch = &contacts->batch[batch_index];
-    const struct scree_contact *contact = &batch->contact[index];
-    const struct scree_rule *rule = &contacts->rule[batch->rule];
-    int block = index / SCREE_LANES, lane = index % SCREE_LANES;
-    struct block b;
-    gather(bodies, contact, 1, batch->geometry, &b);
-    const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    struct scree_pressing pressing = {b.overlap[0], b.closing[0], 0.0, 0.0};
-    double(*kept)[SCREE_LANES] = batch->memory ? batch->kept[block] : NULL;
-    if (normal->memory) {
-        pressing.first = kept[SCREE_KEPT_NORMAL][lane];
-        pressing.second = kept[SCREE_KEPT_NORMAL + 1][lane];
-    }
-    double(*columns)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
-    struct scree_pair_constants pair, tangential_pair = {{0.0}};
-    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = columns[c][lane];
-    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_LEVER; c++)
-        tangential_pair.c[c - SCREE_PAIR_FRICTION] = columns[c][lane];
-    struct scree_normal_force f = normal->force(&rule->normal_constants, pair, pressing);
-    if (!(normal->reach ? f.second > 0.0 : b.overlap[0] > 0.0)) return 0;
-    /* Until the loop has booked what attaching costs, the contact hasn't cost it. */
-    int unbooked = normal->reach && !(pressing.second > 0.0);
-    double force = f.elastic + f.damping * b.closing[0];
-    pressing.first = f.first;
-    pressing.second = f.second;
-    *touch = (struct scree_touch){.ball = contact->ball, .host = contact->host, .corner = contact->corner};
-    touch->overlap = b.overlap[0];
-    touch->closing = b.closing[0];
-    touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
-    touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
-    if (unbooked) touch->stored += snap_energy(normal->stored, &rule->normal_constants, pair);
-    touch->normal = get(b.n, 0);
-    touch->point = vec_add(vec_from(bodies->record[contact->ball].x), get(b.arm, 0));
-    touch->slip = get(b.slip, 0);
-    if (rule->friction >= 0) measure_friction(rule, tangential_pair, kept, lane, touch);
-    if (rule->rolling < 0) return 1;
-    double turned[6] = {0.0};
-    for (int m = 0; scree_rolling_laws[rule->rolling]->memory && m < 6; m++)
-        turned[m] = kept[SCREE_KEPT_ROLLING + m][lane];
-    measure_turning(rule, bodies, columns[SCREE_PAIR_LEVER][lane], turned, touch);
-    return 1;
-}
+#define NAME_OF(loop) #loop
+#define NAMED(loop)   NAME_OF(loop)
+#define PREFIX        (sizeof "scree_loop_" - 1)
+const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight, move};

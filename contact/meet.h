@@ -21,6 +21,33 @@ static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies,
     return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
 }
 
+/* How the ball moves at the contact, seen from its partner. */
+struct scree_gait {
+    struct vec arm;  /* from the ball body's centre to the middle of the overlap, m */
+    struct vec slip; /* tangential velocity of the ball, m/s */
+    double closing;  /* m/s */
+};
+
+/* From the normal and the overlap; the ball's radius, and its place from its body's centre; centre, velocity of the centre of the
+ * ball's body against its partner's; both spins. Both bodies are acted on at one point, the middle of the overlap, so that
+ * angular momentum is kept. */
+static inline struct scree_gait scree_gait_of(struct vec n, double overlap, double radius, struct vec corner,
+                                              struct vec apart, struct vec velocity, struct vec ball_spin,
+                                              struct vec host_spin) {
+    struct vec arm = vec_axpy(corner, 0.5 * overlap - radius, n);
+    velocity = vec_add(velocity, vec_cross(ball_spin, arm));
+    velocity = vec_sub(velocity, vec_cross(host_spin, vec_add(arm, apart)));
+    double closing = -vec_dot(velocity, n);
+    return (struct scree_gait){arm, vec_axpy(velocity, closing, n), closing};
+}
+
+/* Energy that is lost when bodies attach whose law reaches beyond touch: it binds them at once, and counts from the end. */
+static inline double scree_snap_energy(double (*stored)(const struct scree_law_constants *, struct scree_pair_constants,
+                                                        struct scree_pressing),
+                                       const struct scree_law_constants *law, struct scree_pair_constants pair) {
+    return -stored(law, pair, (struct scree_pressing){0.0, 0.0, 0.0, 1.0});
+}
+
 /* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. The
  * threshold keeps rounding from doing anything where the normal stands still. */
 static inline struct vec scree_into_tangent_plane(struct vec stretch, struct vec normal) {

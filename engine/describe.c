@@ -38,7 +38,8 @@ static void describe_creep(const struct scree_friction_law *law, const struct sc
 static int lightest(const scree_scene *scene, int material, int movable, int other_than) {
     const struct scree_bodies *bodies = &scene->bodies;
     int found = -1;
-    for (int k = 0; k < bodies->count; k++) {
+    for (int number = 0; number < bodies->count; number++) {
+        int k = bodies->place[number];
         double inverse = bodies->record[k].inverse_mass;
         if (bodies->material[k] != material || (inverse > 0.0) != movable || k == other_than) continue;
         if (found < 0 || inverse > bodies->record[found].inverse_mass) found = k;
@@ -71,8 +72,8 @@ static void describe_impacts(const scree_scene *scene, const struct scree_rule *
     double mass = scree_effective_mass(&scene->bodies, pair[0], pair[1]) / rule->share;
     double radius = scree_radius_of_pair(&scene->bodies, pair[0], pair[1]);
     struct scree_pair_constants of_pair = law->pair(&rule->normal_constants, mass, radius);
-    fprintf(file, "    impacts of \"%s\" with \"%s\", head-on:\n", body_name(scene, pair[0]).text,
-            body_name(scene, pair[1]).text);
+    fprintf(file, "    impacts of \"%s\" with \"%s\", head-on:\n", body_name(scene, scene->bodies.number[pair[0]]).text,
+            body_name(scene, scene->bodies.number[pair[1]]).text);
     for (int k = 2; k >= 0; k--) {
         double speed = scene->plan.choice.speed * (k == 2 ? 0.01 : k == 1 ? 0.1 : 1.0);
         struct scree_impact impact = scree_impact(law, &rule->normal_constants, of_pair, mass, speed, 0.0, NULL, NULL);

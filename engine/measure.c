@@ -37,11 +37,12 @@ scree_body_state scree_scene_body(const scree_scene *scene, int index) {
         quat_store(scree_start_attitude(def), state.orientation);
         return state;
     }
-    memcpy(state.position, bodies->state[index].x, sizeof state.position);
-    memcpy(state.velocity, bodies->state[index].v, sizeof state.velocity);
-    vec_store(scree_bodies_spin(bodies, index, scree_scene_time(scene)), state.spin);
-    if (bodies->slot[index] >= 0)
-        memcpy(state.orientation, bodies->attitude[bodies->slot[index]].q, sizeof state.orientation);
+    int place = bodies->place[index];
+    memcpy(state.position, bodies->state[place].x, sizeof state.position);
+    memcpy(state.velocity, bodies->state[place].v, sizeof state.velocity);
+    vec_store(scree_bodies_spin(bodies, place, scree_scene_time(scene)), state.spin);
+    if (bodies->slot[place] >= 0)
+        memcpy(state.orientation, bodies->attitude[bodies->slot[place]].q, sizeof state.orientation);
     return state;
 }
 
@@ -89,7 +90,7 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
     scree_gravity_at(scene, scree_scene_time(scene), gravity);
     for (int k = 0; k < scene->bodies.count; k++) add_body_energy(scene, k, gravity, energy);
     for (int b = 0; b < contacts->batches; b++) {
-        for (int k = 0; k < contacts->batch[b].count; k++) {
+        for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
             struct scree_touch touch;
             if (!scree_contacts_measure(contacts, &scene->shadow, b, k, &touch)) continue;
             energy->stored += touch.stored + touch.stored_in_friction;
@@ -106,7 +107,9 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
 }
 
 static scree_contact_state contact_state(const scree_scene *scene, const struct scree_touch *touch) {
-    scree_contact_state state = {.ball = touch->ball, .host = touch->host, .sliding = touch->sliding};
+    scree_contact_state state = {.ball = scene->bodies.number[touch->ball],
+                                 .host = scene->bodies.number[touch->host],
+                                 .sliding = touch->sliding};
     state.corner = touch->corner ? touch->corner - 1 - 8 * scene->bodies.slot[touch->ball] : -1;
     vec_store(touch->point, state.point);
     vec_store(touch->normal, state.normal);
@@ -126,7 +129,7 @@ scree_status scree_scene_contacts(scree_scene *scene, scree_contact_state *state
     if (status) return status;
     const struct scree_contacts *contacts = &scene->contacts;
     for (int b = 0; b < contacts->batches; b++) {
-        for (int k = 0; k < contacts->batch[b].count; k++) {
+        for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
             struct scree_touch touch;
             if (!scree_contacts_measure(contacts, &scene->shadow, b, k, &touch)) continue;
             if (states && *count < capacity) states[*count] = contact_state(scene, &touch);
@@ -148,33 +151,38 @@ double scree_scene_steepest(const scree_scene *scene, int *ball, int *host) {
     return scene->contacts.steepest;
 }
 
+static uint64_t hash_contact(uint64_t hash, const struct scree_bodies *bodies, const struct scree_contact *contact) {
+    int numbers[3] = {bodies->number[contact->ball], bodies->number[contact->host], contact->corner};
+    return scree_hash_on(hash, numbers, sizeof numbers);
+}
+
 /* Contacts that keep nothing are left out: whether they are listed is no part of the state. */
-static uint64_t hash_memory(uint64_t hash, const struct scree_batch *batch) {
-    for (int k = 0; batch->memory && k < batch->count; k++) {
+static uint64_t hash_memory(uint64_t hash, const struct scree_bodies *bodies, const struct scree_batch *batch) {
+    for (int k = batch->memory ? scree_first(batch) : -1; k >= 0; k = scree_next(batch, k)) {
         double kept[SCREE_MEMORY];
         int something = 0;
         for (int m = 0; m < batch->memory; m++) {
-            kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
+            kept[m] = scree_kept(batch, m, k);
             something |= kept[m] != 0.0;
         }
         if (!something) continue;
-        hash = scree_hash_on(hash, &batch->contact[k], sizeof batch->contact[k]);
+        hash = hash_contact(hash, bodies, &batch->contact[k]);
         hash = scree_hash_on(hash, kept, (size_t)batch->memory * sizeof *kept);
     }
     return hash;
 }
 
 /* The impulses that pair impulses look back on. */
-static uint64_t hash_past(uint64_t hash, const struct scree_batch *batch) {
-    for (int k = 0; batch->impulses && k < batch->count; k++) {
+static uint64_t hash_past(uint64_t hash, const struct scree_bodies *bodies, const struct scree_batch *batch) {
+    for (int k = batch->impulses ? scree_first(batch) : -1; k >= 0; k = scree_next(batch, k)) {
         double past[SCREE_PAST];
         int something = 0;
         for (int m = 0; m < SCREE_PAST; m++) {
-            past[m] = batch->past[k / SCREE_LANES][m][k % SCREE_LANES];
+            past[m] = batch->past[m][k];
             something |= past[m] != 0.0;
         }
         if (!something) continue;
-        hash = scree_hash_on(hash, &batch->contact[k], sizeof batch->contact[k]);
+        hash = hash_contact(hash, bodies, &batch->contact[k]);
         hash = scree_hash_on(hash, past, sizeof past);
     }
     return hash;
@@ -184,8 +192,11 @@ uint64_t scree_scene_hash(const scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     uint64_t hash = scree_hash_start, steps = (uint64_t)scene->steps;
     hash = scree_hash_on(hash, &steps, sizeof steps);
-    for (int k = 0; k < bodies->count; k++) {
-        hash = scree_hash_on(hash, &bodies->state[k], sizeof bodies->state[k]);
+    for (int number = 0; number < bodies->count; number++) {
+        int k = bodies->place[number];
+        hash = scree_hash_on(hash, bodies->state[k].x, sizeof bodies->state[k].x);
+        hash = scree_hash_on(hash, bodies->state[k].v, sizeof bodies->state[k].v);
+        hash = scree_hash_on(hash, bodies->state[k].l, sizeof bodies->state[k].l);
         if (bodies->slot[k] >= 0)
             hash = scree_hash_on(hash, bodies->attitude[bodies->slot[k]].q, sizeof bodies->attitude[0].q);
         if (!bodies->past) continue;
@@ -193,8 +204,8 @@ uint64_t scree_scene_hash(const scree_scene *scene) {
         hash = scree_hash_on(hash, bodies->past[k].t, sizeof bodies->past[k].t);
     }
     for (int b = 0; b < scene->contacts.batches; b++) {
-        hash = hash_memory(hash, &scene->contacts.batch[b]);
-        hash = hash_past(hash, &scene->contacts.batch[b]);
+        hash = hash_memory(hash, bodies, &scene->contacts.batch[b]);
+        hash = hash_past(hash, bodies, &scene->contacts.batch[b]);
     }
     return hash;
 }

@@ -333,8 +333,6 @@ static scree_status make_bodies(struct scree_scene *scene) {
     if (status) return status;
     for (int k = 0; k < scene->defs; k++) {
         scree_bodies_set(bodies, k, &scene->def[k], scene->material[scene->def[k].material].density);
-        bodies->name[k] = strdup(scene->def[k].name);
-        if (!bodies->name[k]) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for names");
     }
     status = scree_bodies_finish(bodies, scene->def, &scene->trouble);
     if (!status) scree_bodies_start(bodies, 0.0);
@@ -447,7 +445,7 @@ static double choose_skin(const struct scree_bodies *bodies, double reach) {
 static scree_status check_start_overlaps(struct scree_scene *scene) {
     struct scree_contacts *contacts = &scene->contacts;
     for (int b = 0; b < contacts->batches; b++) {
-        for (int k = 0; k < contacts->batch[b].count; k++) {
+        for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
             struct scree_touch touch;
             if (!scree_contacts_measure(contacts, &scene->bodies, b, k, &touch)) continue;
             double limit = fmin(scene->bodies.record[touch.ball].limit, scene->bodies.record[touch.host].limit);
@@ -455,7 +453,8 @@ static scree_status check_start_overlaps(struct scree_scene *scene) {
             return scree_report(
                 &scene->trouble, SCREE_BAD_INPUT, "position",
                 "bodies \"%s\" and \"%s\" overlap by %g m at the start; the most that makes sense is %g m",
-                scree_name(scene, touch.ball), scree_name(scene, touch.host), touch.overlap, limit);
+                scree_name(scene, scene->bodies.number[touch.ball]),
+                scree_name(scene, scene->bodies.number[touch.host]), touch.overlap, limit);
         }
     }
     return SCREE_OK;
@@ -493,7 +492,8 @@ static scree_status bake(struct scree_scene *scene) {
     if (status) return status;
     scene->contacts.skin = choose_skin(&scene->bodies, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
-    status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+    scene->contacts.step = scene->step;
+    status = scree_contacts_sort(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
     if (status || !scene->time.energy) return status;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[24] = "scree state 3\n";
+static const char magic[24] = "scree state 4\n";
 static const uint64_t byte_order_mark = 0x0102030405060708u;
 
 /* One remembered contact. */
@@ -65,10 +65,11 @@ static uint64_t print_bodies(const scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     uint64_t hash = scree_hash_start;
     HASH_ON(hash, bodies->count);
-    for (int k = 0; k < bodies->count; k++) {
+    for (int number = 0; number < bodies->count; number++) {
+        int k = bodies->place[number];
         const scree_joint *joint = &bodies->joint[k];
         const scree_shape *shape = &bodies->shape[k];
-        hash = hash_name(hash, bodies->name[k]);
+        hash = hash_name(hash, scene->def[number].name);
         hash = hash_name(hash, scene->material[bodies->material[k]].name);
         HASH_ON(hash, shape->kind);
         HASH_ON(hash, shape->radius);
@@ -195,14 +196,13 @@ static long count_memories(const scree_scene *scene) {
 static void put_memories(struct stream *s, const scree_scene *scene) {
     for (int b = 0; b < scene->contacts.batches; b++) {
         const struct scree_batch *batch = &scene->contacts.batch[b];
-        for (int k = 0; remembers(batch) && k < batch->count; k++) {
+        for (int k = remembers(batch) ? scree_first(batch) : -1; k >= 0; k = scree_next(batch, k)) {
             struct memory memory;
             memset(&memory, 0, sizeof memory);
             memory.contact = batch->contact[k];
             memory.batch = b;
-            for (int m = 0; m < batch->memory; m++) memory.kept[m] = batch->kept[k / SCREE_LANES][m][k % SCREE_LANES];
-            for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
-                memory.past[m] = batch->past[k / SCREE_LANES][m][k % SCREE_LANES];
+            for (int m = 0; m < SCREE_MEMORY; m++) memory.kept[m] = scree_kept(batch, m, k);
+            for (int m = 0; batch->impulses && m < SCREE_PAST; m++) memory.past[m] = batch->past[m][k];
             put(s, &memory, sizeof memory);
         }
     }
@@ -211,10 +211,11 @@ static void put_memories(struct stream *s, const scree_scene *scene) {
 /* Let the lists hold just the remembered contacts; making the list anew then carries their memory over as ever. */
 static scree_status remember(scree_scene *scene, const struct memory *memory, long count) {
     struct scree_contacts *contacts = &scene->contacts;
-    for (int b = 0; b < contacts->batches; b++) contacts->batch[b].count = 0;
+    scree_contacts_forget(contacts);
     for (long n = 0; n < count; n++) {
-        scree_status status = scree_contacts_remember(&contacts->batch[memory[n].batch], &memory[n].contact,
-                                                      memory[n].kept, memory[n].past, &scene->trouble);
+        scree_status status =
+            scree_contacts_remember(&contacts->batch[memory[n].batch], &scene->bodies, &memory[n].contact,
+                                    memory[n].kept, memory[n].past, &scene->trouble);
         if (status) return status;
     }
     return scree_contacts_list(contacts, &scene->bodies, &scene->trouble);
@@ -222,15 +223,19 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
 
 /* ---- the whole ---- */
 
-/* A body's part: the impulses of the last step are state too, since velocities are predicted from them; pair impulses look back
+/* The part of the body at a place (the order of bodies is state, since sums follow it): the impulses of the last step are state too, since velocities are predicted from them; pair impulses look back
  * by two. */
 struct body_part {
-    struct scree_state state;
+    int number, unused;
+    double x[3], v[3], l[3];
     double q[4], f[3], t[3], past_f[2][3], past_t[2][3];
 };
 
 static struct body_part body_part(const struct scree_bodies *bodies, int k) {
-    struct body_part part = {.state = bodies->state[k]};
+    struct body_part part = {.number = bodies->number[k]};
+    memcpy(part.x, bodies->state[k].x, sizeof part.x);
+    memcpy(part.v, bodies->state[k].v, sizeof part.v);
+    memcpy(part.l, bodies->state[k].l, sizeof part.l);
     if (bodies->slot[k] >= 0) memcpy(part.q, bodies->attitude[bodies->slot[k]].q, sizeof part.q);
     memcpy(part.f, bodies->record[k].f, sizeof part.f);
     memcpy(part.t, bodies->record[k].t, sizeof part.t);
@@ -288,6 +293,7 @@ scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) 
     put(&s, &prints, sizeof prints);
     put(&s, &scalars, sizeof scalars);
     put(&s, &memories, sizeof memories);
+    put(&s, &scene->bodies.order, sizeof scene->bodies.order);
     for (int k = 0; k < scene->bodies.count; k++) {
         struct body_part part = body_part(&scene->bodies, k);
         put(&s, &part, sizeof part);
@@ -312,12 +318,26 @@ static scree_status begin_books(scree_scene *scene) {
     return status;
 }
 
-static scree_status apply(scree_scene *scene, const struct scalars *scalars, const struct body_part *part,
-                          const struct memory *memory, long memories) {
+/* Put the bodies where the state has them. */
+static void take_places(struct scree_scene *scene, const struct scree_order *order, const struct body_part *part) {
+    struct scree_bodies *bodies = &scene->bodies;
+    int *from = scene->contacts.next;
+    for (int k = 0; k < bodies->count; k++) from[k] = bodies->place[part[k].number];
+    scree_bodies_permute(bodies, from);
+    bodies->order = *order;
+    scree_bodies_mark_slabs(bodies);
+}
+
+static scree_status apply(scree_scene *scene, const struct scalars *scalars, const struct scree_order *order,
+                          const struct body_part *part, const struct memory *memory, long memories) {
     struct scree_bodies *bodies = &scene->bodies;
     set_scalars(scene, scalars);
+    scene->ahead = scene->too_far = 0;
+    take_places(scene, order, part);
     for (int k = 0; k < bodies->count; k++) {
-        bodies->state[k] = part[k].state;
+        memcpy(bodies->state[k].x, part[k].x, sizeof part[k].x);
+        memcpy(bodies->state[k].v, part[k].v, sizeof part[k].v);
+        memcpy(bodies->state[k].l, part[k].l, sizeof part[k].l);
         if (bodies->slot[k] >= 0) memcpy(bodies->attitude[bodies->slot[k]].q, part[k].q, sizeof part[k].q);
     }
     scree_bodies_start(bodies, scree_scene_time(scene));
@@ -335,10 +355,11 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
 }
 
 /* The arrays behind the head, and the hash; nothing is changed yet. */
-static scree_status read_rest(scree_scene *scene, struct stream *s, const char *name, struct body_part *part,
-                              struct memory *memory, long memories) {
+static scree_status read_rest(scree_scene *scene, struct stream *s, const char *name, struct scree_order *order,
+                              struct body_part *part, struct memory *memory, long memories) {
     if (!part || !memory)
         return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "%s: no memory for the state", name);
+    get(s, order, sizeof *order);
     for (int k = 0; k < scene->bodies.count; k++) get(s, &part[k], sizeof part[k]);
     for (long k = 0; k < memories && !s->failed; k++) {
         get(s, &memory[k], sizeof memory[k]);
@@ -378,8 +399,9 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     if (memories < 0 || memories > 2000000000L) memories = 0; /* damaged: the hash will tell */
     struct body_part *part = calloc((size_t)scene->bodies.count + 1, sizeof *part);
     struct memory *memory = calloc((size_t)memories + 1, sizeof *memory);
-    status = read_rest(scene, &s, name, part, memory, memories);
-    if (!status) status = apply(scene, &scalars, part, memory, memories);
+    struct scree_order order;
+    status = read_rest(scene, &s, name, &order, part, memory, memories);
+    if (!status) status = apply(scene, &scalars, &order, part, memory, memories);
     free(part);
     free(memory);
     return status;

@@ -52,6 +52,8 @@ struct scree_scene {
     struct scree_contacts contacts;
     double step;
     long steps;
+    int ahead;           /* members of slabs (bodies/order.c) are at the middle of the next step already, */
+    int too_far;         /* and one of them has outgrown its margin there */
     double driven;       /* J put in by drives and tilting so far */
     double first_energy; /* J at the start */
     double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */
@@ -71,9 +73,9 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy);
 /* Effective radius of two bodies for their laws, whichever of them is the ball: the rounder one of two boxes; m. */
 double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j);
 
-/* Name of body k for messages. */
+/* Name of body number k for messages. */
 static inline const char *scree_name(const struct scree_scene *scene, int k) {
-    return k >= 0 ? scene->bodies.name[k] : "nothing";
+    return k >= 0 ? scene->def[k].name : "nothing";
 }
 
 #endif

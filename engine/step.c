@@ -2,6 +2,7 @@
 #include "engine/scene.h"
 
 #include <math.h>
+#include <string.h>
 
 double scree_scene_time(const scree_scene *scene) { return (double)scene->steps * scene->step; }
 double scree_scene_step_length(const scree_scene *scene) { return scene->step; }
@@ -22,6 +23,8 @@ static scree_status stop(scree_scene *scene, int body, int other, const char *ca
 
 static int is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
 
+static int threads_of(const scree_scene *scene) { return scene->time.threads > 0 ? scene->time.threads : 1; }
+
 /* A list that has outlived its margin is made anew; before, the bodies that moved are looked at: where a number isn't
  * finite, or a body crosses in one step what the list keeps watch over, no list can help. */
 static scree_status renew_list(scree_scene *scene) {
@@ -29,7 +32,7 @@ static scree_status renew_list(scree_scene *scene) {
     for (int k = 0; k < bodies->count; k++) {
         const struct scree_record *record = &bodies->record[k];
         if (!is_finite(record->x) || !is_finite(record->v) || !is_finite(record->w))
-            return stop(scene, k, -1,
+            return stop(scene, bodies->number[k], -1,
                         "its position or velocity is no longer a finite number; the step is too large or a "
                         "contact too stiff");
         int plane = bodies->shape[k].kind == SCREE_PLANE; /* turns about its normal only */
@@ -37,7 +40,7 @@ static scree_status renew_list(scree_scene *scene) {
         double hasty = speed * scene->step / scene->contacts.skin;
         if (hasty > scene->hasty) {
             scene->hasty = hasty;
-            scene->hastiest = k;
+            scene->hastiest = bodies->number[k];
         }
         if (hasty > 1.0) {
             char cause[200];
@@ -46,18 +49,18 @@ static scree_status renew_list(scree_scene *scene) {
                 "it moves, or its tips do, %.3g m in one step, more than the list of contacts looks ahead (%.3g m): "
                 "it could pass through others unnoticed; take a smaller step",
                 speed * scene->step, scene->contacts.skin);
-            return stop(scene, k, -1, cause);
+            return stop(scene, bodies->number[k], -1, cause);
         }
     }
-    return scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+    return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
 static scree_status check_depth(scree_scene *scene) {
     const struct scree_contacts *contacts = &scene->contacts;
     if (contacts->deepest <= 1.0) return SCREE_OK;
     char cause[160];
-    double limit =
-        fmin(scene->bodies.record[contacts->deepest_ball].limit, scene->bodies.record[contacts->deepest_host].limit);
+    int ball = scene->bodies.place[contacts->deepest_ball], host = scene->bodies.place[contacts->deepest_host];
+    double limit = fmin(scene->bodies.record[ball].limit, scene->bodies.record[host].limit);
     snprintf(cause, sizeof cause,
              "overlap of %.3g m, beyond half a half-width (%.3g m): too soft, too fast or too long a step",
              contacts->deepest * limit, limit);
@@ -91,25 +94,55 @@ static scree_status step_by_impulses(scree_scene *scene) {
         scree_status status = renew_list(scene);
         if (status) return status;
     }
-    scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, scene->time.threads);
+    scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, threads_of(scene));
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance_by_moments(bodies, time, step, gravity);
     scene->steps++;
     return check_depth(scene);
 }
 
-static scree_status step_once(scree_scene *scene) {
-    if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
+/* From time to time the bodies are put in order; when, is a function of the state. */
+static scree_status keep_order(scree_scene *scene) {
+    if (scene->steps % 512 != 0 || scene->steps == 0) return SCREE_OK;
+    return scree_contacts_keep_order(&scene->contacts, &scene->bodies, &scene->trouble);
+}
+
+/* Bring the records to the middle of the step; members of slabs that are there already stay. Nonzero: lists must be looked at. */
+static int look_ahead(scree_scene *scene, const double gravity[3]) {
     struct scree_bodies *bodies = &scene->bodies;
-    double time = scree_scene_time(scene), step = scene->step, gravity[3];
-    scree_gravity_at(scene, time + 0.5 * step, gravity);
-    if (scree_bodies_look_ahead(bodies, time, step, gravity, 0.5 * scene->contacts.skin)) {
-        scree_status status = renew_list(scene);
+    int count = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
+    scene->ahead = 0;
+    return too_far | scree_bodies_look_ahead_some(bodies, count, scree_scene_time(scene), scene->step, gravity,
+                                                  0.5 * scene->contacts.skin);
+}
+
+/* Contacts, and then bodies: members of slabs move on while they are at hand, as far as the middle of the next step if there is
+ * one (`more`). */
+static void act_and_advance(scree_scene *scene, const double gravity[3], int more) {
+    struct scree_bodies *bodies = &scene->bodies;
+    double time = scree_scene_time(scene), step = scene->step;
+    struct scree_departure go = {.step = step, .margin = 0.5 * scene->contacts.skin, .ahead = more};
+    int at_once = bodies->order.slabs > 0 && !scene->time.energy;
+    memcpy(go.gravity, gravity, sizeof go.gravity);
+    scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
+    scene->too_far =
+        scree_contacts_act_and_move(&scene->contacts, bodies, step, threads_of(scene), at_once ? &go : NULL);
+    scene->ahead = at_once && more;
+    if (scene->time.energy) book_drives(scene, time);
+    scree_bodies_advance_some(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
+}
+
+static scree_status step_once(scree_scene *scene, int more) {
+    scree_status status = keep_order(scene);
+    if (status) return status;
+    if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
+    double gravity[3];
+    scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
+    if (look_ahead(scene, gravity)) {
+        status = renew_list(scene);
         if (status) return status;
     }
-    scree_contacts_act(&scene->contacts, bodies, step, scene->time.threads);
-    if (scene->time.energy) book_drives(scene, time);
-    scree_bodies_advance(bodies, time, step, gravity);
+    act_and_advance(scene, gravity, more);
     scene->steps++;
     return check_depth(scene);
 }
@@ -118,7 +151,7 @@ scree_status scree_scene_step(scree_scene *scene, long steps) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can step");
     for (long k = 0; k < steps; k++) {
-        scree_status status = step_once(scene);
+        scree_status status = step_once(scene, k + 1 < steps);
         if (status) return status;
     }
     return SCREE_OK;

@@ -454,14 +454,13 @@ static void check_remembering(const char *normal, int steps) {
     scree_bodies_look_ahead(&scene->bodies, scree_scene_time(scene), h, none, 1.0);
     int remembering = 0;
     for (int k = 0; k < batch->count; k++) {
-        int block = k / SCREE_LANES, lane = k % SCREE_LANES;
-        double(*kept)[SCREE_LANES] = batch->kept[block] + SCREE_KEPT_NORMAL;
+        double first = scree_kept(batch, SCREE_KEPT_NORMAL, k), second = scree_kept(batch, SCREE_KEPT_NORMAL + 1, k);
         struct scree_touch touch = {0};
         int touches = scree_contacts_measure(&scene->contacts, &scene->bodies, 0, k, &touch);
-        remembering += touches && (kept[0][lane] != 0.0 || kept[1][lane] != 0.0);
+        remembering += touches && (first != 0.0 || second != 0.0);
         struct scree_pair_constants pair;
-        for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = batch->pair[batch->uniform ? 0 : block][c][lane];
-        struct scree_pressing at = {touch.overlap, touch.closing, kept[0][lane], kept[1][lane]};
+        for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = scree_pair(batch, c, k);
+        struct scree_pressing at = {touch.overlap, touch.closing, first, second};
         struct scree_normal_force f = law->force(&scene->contacts.rule[0].normal_constants, pair, at);
         /* Wholly in touch, or wholly out. */
         compared[k] = !touches || touch.overlap > h * fabs(touch.closing);
@@ -472,8 +471,8 @@ static void check_remembering(const char *normal, int steps) {
     }
     scree_contacts_act(&scene->contacts, &scene->bodies, h, 1);
     for (int k = 0; k < batch->count; k++) {
-        double(*kept)[SCREE_LANES] = batch->kept[k / SCREE_LANES] + SCREE_KEPT_NORMAL;
-        CHECK(kept[0][k % SCREE_LANES] == expected[k].first && kept[1][k % SCREE_LANES] == expected[k].second);
+        CHECK(scree_kept(batch, SCREE_KEPT_NORMAL, k) == expected[k].first);
+        CHECK(scree_kept(batch, SCREE_KEPT_NORMAL + 1, k) == expected[k].second);
         const double *got = scene->bodies.record[batch->contact[k].ball].f;
         if (compared[k]) CHECK(got[0] == impulse[k].x && got[1] == impulse[k].y && got[2] == impulse[k].z);
     }

@@ -823,7 +823,7 @@ static void test_memory(void) {
             int moved = 0;
             for (int b = 0; b < scene->contacts.batches; b++)
                 for (int k = 0; k < scene->contacts.batch[b].count; k++)
-                    moved += scene->contacts.batch[b].kept[k / SCREE_LANES][SCREE_KEPT_ROLLING][k % SCREE_LANES] != 0.0;
+                    moved += scree_kept(&scene->contacts.batch[b], SCREE_KEPT_ROLLING, k) != 0.0;
             CHECK(moved > 5 && (n > 0 || scene->contacts.rebuilds > 3));
             scree_scene_destroy(scene);
         }

@@ -677,7 +677,7 @@ static void check_pull_off(const char *law, double overlap, double pull) {
         struct scree_contacts *contacts = &scene->contacts;
         CHECK(contacts->busy_batches == 1);
         struct scree_batch *batch = &contacts->batch[contacts->busy[0]];
-        if (batch->memory) batch->kept[0][SCREE_KEPT_NORMAL + 1][0] = 1.0;
+        if (batch->memory) batch->kept[SCREE_KEPT_NORMAL + 1][0] = 1.0;
         go_with_new_lists(scene, 40000, 1000);
         CHECK(touching(scene) == !heavy);
         scree_scene_destroy(scene);

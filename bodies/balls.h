@@ -1,0 +1,93 @@
+/* How free balls move alone: the two halves of the step (bodies.h), for one ball, on rows of four numbers at once. In a header, so that
+ * whoever has the ball at hand can move it. */
+#ifndef SCREE_BODIES_BALLS_H
+#define SCREE_BODIES_BALLS_H
+
+#include "bodies/bodies.h"
+
+typedef double scree_row __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long scree_bits __attribute__((vector_size(32), aligned(8), may_alias));
+
+static inline scree_row scree_row_of(const double a[3]) { return (scree_row){a[0], a[1], a[2], 0.0}; }
+static inline scree_row scree_row_times(double s, scree_row a) { return (scree_row){s, s, s, s} * a; }
+
+/* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
+ * half a step from now: then the path says so too. Written so that a NaN counts as too far. */
+static inline int scree_outgrown(struct scree_record *record, double way, double margin) {
+    record->path += way;
+    if (record->path + 0.5 * way <= margin) return 0;
+    record->path += 0.5 * way;
+    return 1;
+}
+
+#ifdef __AVX__
+/* The first three numbers of `a`, the fourth of `old`. */
+static inline void scree_row_put(scree_row a, double *old) {
+    const scree_bits three = {-1, -1, -1, 0};
+    *(scree_bits *)old = ((scree_bits)a & three) | (*(const scree_bits *)old & ~three);
+}
+
+/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such numbers
+ * become denormal, on which processors take a slow path; so numbers this small are zero. */
+static inline scree_row scree_row_settle(scree_row a) {
+    const scree_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+    const scree_row least = {1e-140, 1e-140, 1e-140, 1e-140};
+    scree_row size = (scree_row)((scree_bits)a & ~sign);
+    return (scree_row)((scree_bits)a & ~(scree_bits)(size < least));
+}
+
+/* Kick by the impulses in the record and by gravity at mid-step, and drift to the end of the step. */
+static inline void scree_ball_advance(const struct scree_record *record, struct scree_state *state, double step,
+                                      scree_row gravity) {
+    const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t;
+    scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
+    scree_row v = scree_row_settle(*(const scree_row *)state->v + kick);
+    scree_row l = scree_row_settle(*(const scree_row *)state->l + *t);
+    scree_row_put(v, state->v);
+    scree_row_put(*(const scree_row *)record->x + scree_row_times(0.5 * step, v), state->x);
+    scree_row_put(l, state->l);
+}
+
+/* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. */
+static inline int scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
+                                        scree_row gravity, double margin) {
+    const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};
+    scree_row v = *(const scree_row *)state->v, square = v * v;
+    scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
+    scree_row ahead = *(const scree_row *)state->l + scree_row_times(0.5, *t);
+    scree_row_put(*(const scree_row *)state->x + scree_row_times(0.5 * step, v), record->x);
+    scree_row_put(v + scree_row_times(0.5, kick), record->v);
+    scree_row_put(scree_row_times(state->inverse_moment, ahead), record->w);
+    scree_row_put(none, record->f);
+    scree_row_put(none, record->t);
+    return scree_outgrown(record, step * sqrt(square[0] + square[1] + square[2]), margin);
+}
+
+#else
+/* Processors without such rows: number by number. The same bits. */
+static inline void scree_ball_advance(const struct scree_record *record, struct scree_state *state, double step,
+                                      scree_row gravity) {
+    for (int k = 0; k < 3; k++) {
+        double v = state->v[k] + (record->inverse_mass * record->f[k] + step * gravity[k]),
+               l = state->l[k] + record->t[k];
+        state->v[k] = fabs(v) < 1e-140 ? 0.0 : v;
+        state->x[k] = record->x[k] + 0.5 * step * state->v[k];
+        state->l[k] = fabs(l) < 1e-140 ? 0.0 : l;
+    }
+}
+
+static inline int scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
+                                        scree_row gravity, double margin) {
+    const double *v = state->v;
+    for (int k = 0; k < 3; k++) {
+        double kick = record->inverse_mass * record->f[k] + step * gravity[k];
+        record->x[k] = state->x[k] + 0.5 * step * v[k];
+        record->v[k] = v[k] + 0.5 * kick;
+        record->w[k] = state->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
+        record->f[k] = record->t[k] = 0.0;
+    }
+    return scree_outgrown(record, step * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), margin);
+}
+#endif
+
+#endif

@@ -1,0 +1,159 @@
+/* All near contacts through one step.
+ *
+ * Segment 0 first: its blocks yield impulses by as many threads, and these are added to the bodies one after the other. Then slabs:
+ * those of even number, then those of odd number, whose contacts add straight to their bodies; no two slabs at work at
+ * the same time have a body in common. So every sum has one order, for any number of threads. A body is finished when the
+ * slab that it belongs to and the one before are. */
+#include "contact/loop.h"
+
+static int contacts_in_block(const struct scree_batch *batch, int block) {
+    int left = batch->segment[0].count - block * SCREE_LANES;
+    return left < SCREE_LANES ? left : SCREE_LANES;
+}
+
+/* ---- segment 0 ---- */
+
+static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
+                          const struct scree_yield *yield, int lane, int turns) {
+    struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    for (int k = 0; k < 3; k++) {
+        ball->f[k] += yield->impulse[k][lane];
+        host->f[k] -= yield->impulse[k][lane];
+    }
+    for (int k = 0; turns && k < 3; k++) {
+        ball->t[k] += yield->turn_ball[k][lane];
+        host->t[k] += yield->turn_host[k][lane];
+    }
+}
+
+/* Keep the largest value so far, and whose it was. */
+static inline void note(double value, int ball_body, int host_body, double *largest, int *ball, int *host) {
+    if (value <= *largest) return;
+    *largest = value;
+    *ball = ball_body;
+    *host = host_body;
+}
+
+static inline void collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                           const struct scree_batch *batch, int block) {
+    const struct scree_contact *contact = batch->contact + batch->segment[0].first + block * SCREE_LANES;
+    const struct scree_yield *yield = &batch->yield[block];
+    for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+        int ball = bodies->number[contact[lane].ball], host = bodies->number[contact[lane].host];
+        add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));
+        note(yield->depth[lane], ball, host, &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
+        note(yield->steep[lane], ball, host, &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
+    }
+    if (contacts->measured) {
+        contacts->lost_normal += yield->lost_normal;
+        contacts->work_tangential += yield->work_tangential;
+    }
+}
+
+void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                            const struct scree_batch *batch, int block) {
+    collect(contacts, bodies, batch, block);
+}
+
+static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_batch *batch, int block, double step) {
+    contacts->loop->act(contacts, bodies, batch, batch->segment[0].first + block * SCREE_LANES,
+                        contacts_in_block(batch, block), step, &batch->yield[block]);
+}
+
+/* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
+static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
+                      double step, int threads) {
+    int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
+    if (threads > 1 && blocks > 32) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
+    } else {
+        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
+    }
+    for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
+}
+
+/* ---- slabs ---- */
+
+struct slabs {
+    struct scree_contacts *contacts;
+    struct scree_bodies *bodies;
+    double step;
+    scree_segment_work *work; /* with its argument */
+    void *argument;
+    const struct scree_departure *go; /* NULL: bodies stay where they are */
+};
+
+static void act_segment(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
+                        const struct scree_batch *batch, const struct scree_part *segment, double step,
+                        struct scree_tally *tally) {
+    (void)argument;
+    contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally);
+}
+
+/* The members of a slab have all their impulses: on they go. */
+static void move_slab(const struct slabs *all, int slab, struct scree_tally *tally) {
+    const int *start = all->bodies->order.start;
+    if (all->go) tally->too_far |= all->contacts->loop->move(all->bodies, start[slab], start[slab + 1], all->go);
+}
+
+static void act_slab(const struct slabs *all, int slab) {
+    struct scree_contacts *contacts = all->contacts;
+    struct scree_tally *tally = &contacts->tally[1 + slab];
+    *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1, 0};
+    for (int k = 0; k < contacts->busy_batches; k++) {
+        const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
+        const struct scree_part *segment = &batch->segment[1 + slab];
+        if (segment->count) all->work(all->argument, contacts, all->bodies, batch, segment, all->step, tally);
+    }
+    if (slab == 0) move_slab(all, 0, tally);
+    if (slab % 2 == 0) return;
+    move_slab(all, slab, tally);
+    if (slab + 1 < all->bodies->order.slabs) move_slab(all, slab + 1, tally);
+}
+
+/* What slabs have summed up, in their order. */
+static void add_tallies(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    for (int s = 1; s <= bodies->order.slabs; s++) {
+        const struct scree_tally *tally = &contacts->tally[s];
+        contacts->lost_normal += tally->lost_normal;
+        contacts->work_tangential += tally->work_tangential;
+        if (tally->deepest_ball >= 0)
+            note(tally->deepest, bodies->number[tally->deepest_ball], bodies->number[tally->deepest_host],
+                 &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
+        if (tally->steepest_ball >= 0)
+            note(tally->steepest, bodies->number[tally->steepest_ball], bodies->number[tally->steepest_host],
+                 &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
+    }
+}
+
+static void act_slabs(const struct slabs *all, int threads) {
+    int slabs = all->bodies->order.slabs;
+    for (int parity = 0; parity < 2; parity++) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+        for (int slab = parity; slab < slabs; slab += 2) act_slab(all, slab);
+    }
+    add_tallies(all->contacts, all->bodies);
+}
+
+void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                             scree_segment_work *work, void *argument) {
+    struct slabs all = {contacts, bodies, step, work, argument, NULL};
+    if (bodies->order.slabs) act_slabs(&all, threads);
+}
+
+int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                                const struct scree_departure *go) {
+    struct slabs all = {contacts, bodies, step, act_segment, NULL, go};
+    for (int k = 0; k < contacts->busy_batches; k++)
+        act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
+    if (bodies->order.slabs) act_slabs(&all, threads);
+    int too_far = 0;
+    for (int s = 1; s <= bodies->order.slabs; s++) too_far |= contacts->tally[s].too_far;
+    return too_far;
+}
+
+void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
+    scree_contacts_act_and_move(contacts, bodies, step, threads, NULL);
+}

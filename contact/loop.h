@@ -1,0 +1,25 @@
+/* The contact loop as it was compiled for one kind of processor. */
+#ifndef SCREE_CONTACT_LOOP_H
+#define SCREE_CONTACT_LOOP_H
+
+#include "contact/contacts.h"
+
+struct scree_loop {
+    const char *name;
+    /* Contacts first … first + count - 1 (at most SCREE_LANES) of a batch through one step: what they yield. */
+    void (*act)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield);
+    /* As many contacts of a slab, added straight to their bodies and to the tally. */
+    void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
+                         const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally);
+    /* Bodies from … to - 1, free or frozen balls, go on (scree_departure). */
+    int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go);
+};
+
+extern const struct scree_loop scree_loop_baseline, scree_loop_avx2, scree_loop_avx512;
+
+/* The widest loop that this processor runs, or the one that the environment variable SCREE_ISA asks for (baseline, avx2, avx512)
+ * if it can; all give the same bits. */
+const struct scree_loop *scree_choose_loop(void);
+
+#endif

@@ -1,0 +1,91 @@
+/* A contact as it is at one instant, measured without changing anything: by the laws' descriptions, apart from the loop. */
+#include "contact/meet.h"
+
+/* Friction at this instant, and what its spring holds. */
+static void measure_friction(const struct scree_rule *rule, struct scree_pair_constants pair,
+                             const struct scree_batch *batch, int index, struct scree_touch *touch) {
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
+                               .overlap = touch->overlap,
+                               .velocity = touch->slip};
+    if (friction->memory) {
+        at.stretch = scree_into_tangent_plane(
+            vec(scree_kept(batch, 0, index), scree_kept(batch, 1, index), scree_kept(batch, 2, index)), touch->normal);
+        at.sliding = scree_kept(batch, 3, index);
+    }
+    struct scree_tangential t = friction->force(&rule->friction_constants, pair, at);
+    touch->tangential = t.force;
+    touch->stretch = t.stretch;
+    touch->sliding = t.sliding > 0.0;
+    at.stretch = t.stretch;
+    touch->stored_in_friction = friction->stored(&rule->friction_constants, pair, at);
+}
+
+/* Torque of the rolling law at this instant, and what its springs hold. */
+static void measure_turning(const struct scree_rule *rule, const struct scree_bodies *bodies, double lever,
+                            const double kept[6], struct scree_touch *touch) {
+    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
+    const struct scree_law_constants *constants = &rule->rolling_constants;
+    struct vec n = touch->normal;
+    struct vec spin = vec_sub(vec_from(bodies->record[touch->ball].w), vec_from(bodies->record[touch->host].w));
+    struct vec velocity = vec_scale(lever, spin);
+    double along = vec_dot(velocity, n);
+    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
+                               .overlap = touch->overlap,
+                               .velocity = vec_axpy(velocity, -along, n)};
+    at.stretch = scree_into_tangent_plane(vec_from(kept), n);
+    at.sliding = kept[3];
+    struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], at);
+    at.velocity = vec(along, 0.0, 0.0);
+    at.stretch = vec(kept[4], 0.0, 0.0);
+    at.sliding = kept[5];
+    struct scree_tangential s = law->resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], at);
+    touch->torque = vec_scale(lever, vec_axpy(r.force, s.force.x, n));
+    touch->stored_in_friction += 0.5 * law->stiffness(constants) * (vec_norm2(r.stretch) + s.stretch.x * s.stretch.x);
+}
+
+int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,
+                           int index, struct scree_touch *touch) {
+    const struct scree_batch *batch = &contacts->batch[batch_index];
+    const struct scree_contact *contact = &batch->contact[index];
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    struct vec corner = vec_from(bodies->corner[contact->corner]);
+    struct scree_meeting m = scree_meet(bodies, contact, batch->geometry, vec_add(vec_from(ball->x), corner));
+    struct scree_gait gait =
+        scree_gait_of(m.normal, m.overlap, ball->radius, corner, vec_sub(vec_from(ball->x), vec_from(host->x)),
+                      vec_sub(vec_from(ball->v), vec_from(host->v)), vec_from(ball->w), vec_from(host->w));
+    const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
+    struct scree_pressing pressing = {m.overlap, gait.closing, 0.0, 0.0};
+    if (normal->memory) {
+        pressing.first = scree_kept(batch, SCREE_KEPT_NORMAL, index);
+        pressing.second = scree_kept(batch, SCREE_KEPT_NORMAL + 1, index);
+    }
+    struct scree_pair_constants pair, tangential_pair = {{0.0}};
+    for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) pair.c[c] = scree_pair(batch, c, index);
+    for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_LEVER; c++)
+        tangential_pair.c[c - SCREE_PAIR_FRICTION] = scree_pair(batch, c, index);
+    struct scree_normal_force f = normal->force(&rule->normal_constants, pair, pressing);
+    if (!(normal->reach ? f.second > 0.0 : m.overlap > 0.0)) return 0;
+    /* Until the loop has booked what attaching costs, the contact hasn't cost it. */
+    int unbooked = normal->reach && !(pressing.second > 0.0);
+    double force = f.elastic + f.damping * gait.closing;
+    pressing.first = f.first;
+    pressing.second = f.second;
+    *touch = (struct scree_touch){.ball = contact->ball, .host = contact->host, .corner = contact->corner};
+    touch->overlap = m.overlap;
+    touch->closing = gait.closing;
+    touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
+    touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
+    if (unbooked) touch->stored += scree_snap_energy(normal->stored, &rule->normal_constants, pair);
+    touch->normal = m.normal;
+    touch->point = vec_add(vec_from(ball->x), gait.arm);
+    touch->slip = gait.slip;
+    if (rule->friction >= 0) measure_friction(rule, tangential_pair, batch, index, touch);
+    if (rule->rolling < 0) return 1;
+    double turned[6] = {0.0};
+    for (int k = 0; scree_rolling_laws[rule->rolling]->memory && k < 6; k++)
+        turned[k] = scree_kept(batch, SCREE_KEPT_ROLLING + k, index);
+    measure_turning(rule, bodies, scree_pair(batch, SCREE_PAIR_LEVER, index), turned, touch);
+    return 1;
+}

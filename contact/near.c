@@ -1,0 +1,340 @@
+/* Near lists: the contacts of the outer list whose gap is less than what margins are left to their two bodies. All of them are computed
+ * in every step, touching or not. What laws keep of a contact moves along in place, segment by segment.
+ *
+ * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
+ * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
+#include "contact/contacts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A segment's new list while it is being made. */
+struct scree_scratch {
+    struct scree_contact *contact;
+    int *from; /* where the contact was before, from the segment's first on; -1: nowhere */
+    int capacity;
+};
+
+static int padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
+
+int scree_enlarge(void *array, int before, int after, size_t size) {
+    void **place = array, *memory = realloc(*place, (size_t)after * size);
+    if (!memory) return 0;
+    memset((char *)memory + (size_t)before * size, 0, (size_t)(after - before) * size);
+    *place = memory;
+    return 1;
+}
+
+/* ---- columns ---- */
+
+/* The columns of a batch that belong to its contacts; returns how many. */
+static int columns_of(const struct scree_batch *batch, double *column[SCREE_MEMORY + SCREE_PAST]) {
+    int count = 0;
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (batch->keeps[m]) column[count++] = batch->kept[m];
+    for (int m = 0; batch->impulses && m < SCREE_PAST; m++) column[count++] = batch->past[m];
+    return count;
+}
+
+static scree_status enlarge_batch(struct scree_batch *batch, int capacity, scree_trouble *trouble) {
+    int before = batch->capacity, ok = 1;
+    if (capacity <= before) return SCREE_OK;
+    ok &= scree_enlarge(&batch->contact, before, capacity, sizeof *batch->contact);
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (batch->keeps[m]) ok &= scree_enlarge(&batch->kept[m], before, capacity, sizeof(double));
+    for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
+        ok &= scree_enlarge(&batch->past[m], before, capacity, sizeof(double));
+    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", capacity);
+    batch->capacity = capacity;
+    return SCREE_OK;
+}
+
+/* Room for what the blocks of segment 0 yield. */
+static scree_status enlarge_yield(struct scree_batch *batch, scree_trouble *trouble) {
+    int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES, ok = 1;
+    if (blocks <= batch->blocks) return SCREE_OK;
+    blocks += blocks / 2;
+    ok &= scree_enlarge(&batch->yield, batch->blocks, blocks, sizeof *batch->yield);
+    if (batch->impulses) ok &= scree_enlarge(&batch->moments, batch->blocks, blocks, sizeof *batch->moments);
+    if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the yield of %d contacts", blocks);
+    batch->blocks = blocks;
+    return SCREE_OK;
+}
+
+/* Move a segment's contacts and columns. */
+static void shift(struct scree_batch *batch, struct scree_part *segment, int to) {
+    double *column[SCREE_MEMORY + SCREE_PAST];
+    int columns = columns_of(batch, column), count = segment->count;
+    if (to != segment->first)
+        memmove(batch->contact + to, batch->contact + segment->first, (size_t)count * sizeof *batch->contact);
+    for (int c = 0; c < columns && to != segment->first; c++)
+        memmove(column[c] + to, column[c] + segment->first, (size_t)count * sizeof(double));
+    segment->first = to;
+}
+
+static void clear_padding(struct scree_batch *batch, const struct scree_part *segment) {
+    double *column[SCREE_MEMORY + SCREE_PAST];
+    int columns = columns_of(batch, column), count = segment->count;
+    for (int c = 0; c < columns; c++)
+        memset(column[c] + segment->first + count, 0, (size_t)(padded(count) - count) * sizeof(double));
+}
+
+/* Give the segments of a batch the capacities wanted (in `capacity`), in the order of segments. */
+static scree_status lay_out(struct scree_batch *batch, int segments, const int *capacity, scree_trouble *trouble) {
+    int all = 0, first[SCREE_SEGMENTS], used = 0;
+    for (int s = 0; s < segments; s++) {
+        first[s] = all;
+        all += capacity[s];
+    }
+    scree_status status = enlarge_batch(batch, all, trouble);
+    if (status) return status;
+    for (int s = 0; s < segments; s++) { /* close the gaps, then open new ones from the end */
+        shift(batch, &batch->segment[s], used);
+        used += batch->segment[s].count;
+    }
+    for (int s = segments - 1; s >= 0; s--) {
+        shift(batch, &batch->segment[s], first[s]);
+        batch->segment[s].capacity = capacity[s];
+        clear_padding(batch, &batch->segment[s]);
+    }
+    return SCREE_OK;
+}
+
+/* ---- picking ---- */
+
+static int keeps_something(double *const *column, int columns, int k) {
+    for (int c = 0; c < columns; c++)
+        if (column[c][k] != 0.0) return 1;
+    return 0;
+}
+
+/* Whether the gap of a contact is at most `left`. Spheres take a short way. */
+static inline int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                          const struct scree_contact *contact, double left, double skin) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    if (batch->geometry == SCREE_BALL_BALL && contact->corner == 0) {
+        double reach = ball->radius + host->radius + left, x = ball->x[0] - host->x[0], y = ball->x[1] - host->x[1];
+        double z = ball->x[2] - host->x[2];
+        return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
+    }
+    return scree_gap(bodies, contact, skin) <= left;
+}
+
+/* The new list of a segment into the scratch: what is near enough, and what keeps something. Returns its length. */
+static int pick(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
+    const struct scree_part *segment = &batch->segment[s];
+    const struct scree_contact *outer = batch->outer + segment->outer_first, *old = batch->contact + segment->first;
+    double *column[SCREE_MEMORY + SCREE_PAST], half = 0.5 * contacts->skin;
+    int columns = columns_of(batch, column), count = 0, before = 0;
+    for (int k = 0; k < segment->outer_count; k++) {
+        const struct scree_contact *one = &outer[k];
+        int order = -1;
+        while (before < segment->count && (order = scree_compare_contacts(&old[before], one, s)) < 0) before++;
+        int same = before < segment->count && order == 0;
+        double left = (half - bodies->record[one->ball].path) + (half - bodies->record[one->host].path);
+        int near = is_near(bodies, batch, one, left, contacts->skin);
+        if (!near && !(same && keeps_something(column, columns, segment->first + before))) continue;
+        scratch->contact[count] = *one;
+        scratch->from[count++] = same ? before : -1;
+    }
+    return count;
+}
+
+/* Columns from the places of the old list to those of the new one: those that go on move together, then apart. */
+static void move_columns(struct scree_batch *batch, const struct scree_part *segment, int count, const int *from) {
+    double *column[SCREE_MEMORY + SCREE_PAST];
+    int columns = columns_of(batch, column);
+    for (int c = 0; c < columns; c++) {
+        double *own = column[c] + segment->first;
+        int going_on = 0;
+        for (int k = 0; k < count; k++)
+            if (from[k] >= 0) own[going_on++] = own[from[k]];
+        for (int k = padded(count) - 1; k >= 0; k--) own[k] = k < count && from[k] >= 0 ? own[--going_on] : 0.0;
+    }
+}
+
+/* Make a segment's list anew; 0 if it has too little room, and then `count` says how much it takes. */
+static int renew(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct scree_batch *batch,
+                 int s, struct scree_scratch *scratch) {
+    struct scree_part *segment = &batch->segment[s];
+    int count = pick(contacts, bodies, batch, s, scratch);
+    if (padded(count) > segment->capacity) return count;
+    move_columns(batch, segment, count, scratch->from);
+    memcpy(batch->contact + segment->first, scratch->contact, (size_t)count * sizeof *scratch->contact);
+    segment->count = count;
+    return 0;
+}
+
+static scree_status prepare_scratch(struct scree_contacts *contacts, int threads, int segments,
+                                    scree_trouble *trouble) {
+    int most = 1;
+    for (int b = 0; b < contacts->batches; b++)
+        for (int s = 0; s < segments; s++)
+            if (contacts->batch[b].segment[s].outer_count > most) most = contacts->batch[b].segment[s].outer_count;
+    int ok = 1;
+    if (threads > contacts->scratches) {
+        ok = scree_enlarge(&contacts->scratch, contacts->scratches, threads, sizeof *contacts->scratch);
+        if (ok) contacts->scratches = threads;
+    }
+    for (int t = 0; ok && t < threads; t++) {
+        struct scree_scratch *scratch = &contacts->scratch[t];
+        if (most <= scratch->capacity) continue;
+        int capacity = most + most / 8;
+        ok &= scree_enlarge(&scratch->contact, scratch->capacity, capacity, sizeof *scratch->contact);
+        ok &= scree_enlarge(&scratch->from, scratch->capacity, capacity, sizeof *scratch->from);
+        if (ok) scratch->capacity = capacity;
+    }
+    return ok ? SCREE_OK : scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory to sort %d contacts", most);
+}
+
+void scree_contacts_free_scratch(struct scree_contacts *contacts) {
+    for (int t = 0; t < contacts->scratches; t++) {
+        free(contacts->scratch[t].contact);
+        free(contacts->scratch[t].from);
+    }
+    free(contacts->scratch);
+    contacts->scratch = NULL;
+    contacts->scratches = 0;
+}
+
+/* Segments of a batch by as many threads; those that lack room get it, and their turn once more. */
+static scree_status renew_batch(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                struct scree_batch *batch, int segments, int threads, scree_trouble *trouble) {
+    int lacking[SCREE_SEGMENTS] = {0}, capacity[SCREE_SEGMENTS], lack = 0;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int t = 0; t < threads; t++)
+        for (int s = t; s < segments; s += threads)
+            lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
+    for (int s = 0; s < segments; s++) {
+        int least = padded(batch->segment[s].count), has = batch->segment[s].capacity;
+        capacity[s] = lacking[s] ? padded(lacking[s] + lacking[s] / 16 + SCREE_PADDING) : has;
+        if (capacity[s] < least) capacity[s] = least;
+        lack |= lacking[s];
+    }
+    if (lack) {
+        scree_status status = lay_out(batch, segments, capacity, trouble);
+        if (status) return status;
+        for (int s = 0; s < segments; s++)
+            if (lacking[s]) renew(contacts, bodies, batch, s, &contacts->scratch[0]);
+    }
+    batch->count = 0;
+    for (int s = 0; s < segments; s++) batch->count += batch->segment[s].count;
+    return enlarge_yield(batch, trouble);
+}
+
+scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble) {
+    int segments = bodies->order.slabs + 1;
+    scree_status status = prepare_scratch(contacts, threads, segments, trouble);
+    for (int b = 0; b < contacts->batches && !status; b++) {
+        struct scree_batch *batch = &contacts->batch[b];
+        if (batch->outer_count == 0 && batch->count == 0) continue;
+        status = renew_batch(contacts, bodies, batch, segments, threads, trouble);
+        if (!status && !batch->uniform) status = scree_pair_constants(contacts, bodies, batch, trouble);
+    }
+    return status;
+}
+
+/* ---- another order of the bodies ---- */
+
+void scree_contacts_forget(struct scree_contacts *contacts) {
+    for (int b = 0; b < contacts->batches; b++) {
+        struct scree_batch *batch = &contacts->batch[b];
+        memset(batch->segment, 0, SCREE_SEGMENTS * sizeof *batch->segment);
+        batch->count = batch->outer_count = 0;
+    }
+}
+
+scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
+                                     const struct scree_contact *contact, const double *kept, const double *past,
+                                     scree_trouble *trouble) {
+    struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
+    int place = batch->count;
+    scree_status status = SCREE_OK;
+    if (place == batch->capacity) status = enlarge_batch(batch, padded(place + place / 2 + SCREE_LANES), trouble);
+    if (status) return status;
+    if (segment->count == 0) segment->first = place;
+    segment->capacity = ++segment->count;
+    batch->contact[place] = *contact;
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (batch->keeps[m]) batch->kept[m][place] = kept[m];
+    for (int m = 0; batch->impulses && m < SCREE_PAST; m++) batch->past[m][place] = past[m];
+    batch->count++;
+    return SCREE_OK;
+}
+
+/* Let contacts name bodies by their numbers (1) or by their places (0). */
+static void rename_bodies(struct scree_batch *batch, const int *as) {
+    for (int s = 0; s < SCREE_SEGMENTS; s++)
+        for (int k = batch->segment[s].first; k < batch->segment[s].first + batch->segment[s].count; k++) {
+            batch->contact[k].ball = as[batch->contact[k].ball];
+            batch->contact[k].host = as[batch->contact[k].host];
+        }
+}
+
+static int in_order(const struct scree_bodies *bodies, const struct scree_batch *batch, int a, int b) {
+    int one = scree_segment_of(bodies, batch, &batch->contact[a]);
+    int other = scree_segment_of(bodies, batch, &batch->contact[b]);
+    if (one != other) return one < other;
+    return scree_compare_contacts(&batch->contact[a], &batch->contact[b], one) < 0;
+}
+
+/* Heap sort of indices. */
+static void sift(const struct scree_bodies *bodies, const struct scree_batch *batch, int *index, int root, int count) {
+    int value = index[root];
+    for (int child = 2 * root + 1; child < count; root = child, child = 2 * root + 1) {
+        if (child + 1 < count && in_order(bodies, batch, index[child], index[child + 1])) child++;
+        if (!in_order(bodies, batch, value, index[child])) break;
+        index[root] = index[child];
+        index[child] = value;
+    }
+}
+
+static void sort_indices(const struct scree_bodies *bodies, const struct scree_batch *batch, int *index, int count) {
+    for (int k = 0; k < count; k++) index[k] = k;
+    for (int k = count / 2; k-- > 0;) sift(bodies, batch, index, k, count);
+    for (int last = count; last-- > 1;) {
+        int value = index[0];
+        index[0] = index[last];
+        index[last] = value;
+        sift(bodies, batch, index, 0, last);
+    }
+}
+
+/* Put the contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the other. */
+static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int *index) {
+    double *column[SCREE_MEMORY + SCREE_PAST];
+    int columns = columns_of(batch, column), used = 0;
+    for (int s = 0; s < SCREE_SEGMENTS; s++) {
+        shift(batch, &batch->segment[s], used);
+        used += batch->segment[s].count;
+    }
+    sort_indices(bodies, batch, index, used);
+    for (int c = 0; c < columns; c++) scree_permute(column[c], sizeof *column[c], index, used);
+    scree_permute(batch->contact, sizeof *batch->contact, index, used);
+    memset(batch->segment, 0, SCREE_SEGMENTS * sizeof *batch->segment);
+    for (int k = 0; k < used; k++) {
+        struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, &batch->contact[k])];
+        if (segment->count == 0) segment->first = k;
+        segment->capacity = ++segment->count;
+    }
+}
+
+scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble) {
+    int most = 0;
+    for (int b = 0; b < contacts->batches; b++)
+        if (contacts->batch[b].count > most) most = contacts->batch[b].count;
+    if (most > contacts->indices) {
+        if (!scree_enlarge(&contacts->index, contacts->indices, most + most / 8, sizeof *contacts->index))
+            return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory to sort %d contacts", most);
+        contacts->indices = most + most / 8;
+    }
+    for (int b = 0; b < contacts->batches; b++) rename_bodies(&contacts->batch[b], bodies->number);
+    scree_bodies_sort(bodies, contacts->skin, contacts->key, contacts->next);
+    for (int b = 0; b < contacts->batches; b++) {
+        rename_bodies(&contacts->batch[b], bodies->place);
+        sort_batch(bodies, &contacts->batch[b], contacts->index);
+    }
+    return scree_contacts_list(contacts, bodies, trouble);
+}
