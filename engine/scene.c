@@ -20,6 +20,7 @@ void scree_scene_destroy(scree_scene *scene) {
     free(scene->rule);
     free(scene->def);
     scree_names_free(&scene->names);
+    free(scene->plan.trial);
     scree_bodies_free_shadow(&scene->shadow);
     scree_bodies_destroy(&scene->bodies);
     scree_contacts_destroy(&scene->contacts);
@@ -306,6 +307,17 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
                                 "%s must be a positive number, got %g", numbers[k].field, numbers[k].value);
+    if (def->accuracy != 0.0 && !(def->accuracy >= 1e-6 && def->accuracy <= 0.1))
+        return scree_report(
+            &scene->trouble, SCREE_BAD_INPUT, "accuracy",
+            "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
+            def->accuracy);
+    if (def->accuracy != 0.0 && def->step != 0.0)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
+                            "accuracy finds the step, so that a step can't be given with it; leave one of them out");
+    if (def->any_integrator && def->accuracy == 0.0)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "any_integrator",
+                            "the integrator is chosen by an accuracy, and none is asked for");
     if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
                             (int)def->integrator);

@@ -5,6 +5,7 @@
 #include "contact/contacts.h"
 #include "engine/names.h"
 #include "engine/scree.h"
+#include "engine/trial.h"
 
 /* How the step was chosen, and what limits it. */
 struct scree_step_choice {
@@ -17,16 +18,26 @@ struct scree_step_choice {
     double speed; /* m/s reckoned with */
     int speed_given;
     int automatic;
-    int bound_by_damping; /* the automatic step is below 1/50 of a contact because of damping or friction */
+    double accurate;      /* s: the longest step that is accurate enough, if an accuracy was asked for */
+    int bound_by_damping; /* the automatic step is below that, or 1/50 of a contact, because of damping or friction */
+};
+
+/* Trial impacts for one contact rule, if an accuracy was asked for. */
+struct scree_rule_trial {
+    int pair[2];     /* bodies whose contact is the shortest; -1: none can meet */
+    double duration; /* of it, s */
+    struct scree_trial impact;
+    struct scree_trial_result result[SCREE_PAIR_IMPULSE + 1]; /* by the integrators that were tried */
 };
 
 /* What the plan says about the scene. */
 struct scree_scene_plan {
     struct scree_step_choice choice;
-    int free, driven, fixed;       /* bodies */
-    int balls, general;            /* free or driven ones, by class */
-    long pairs_all, pairs_meeting; /* pairs of bodies */
-    long pairs_still, pairs_none;  /* skipped: forces move neither; materials or shapes that pass through each other */
+    struct scree_rule_trial *trial; /* owned; one a rule; NULL: no accuracy was asked for */
+    int free, driven, fixed;        /* bodies */
+    int balls, general;             /* free or driven ones, by class */
+    long pairs_all, pairs_meeting;  /* pairs of bodies */
+    long pairs_still, pairs_none;   /* skipped: forces move neither; materials or shapes that pass through each other */
 };
 
 struct scree_scene {

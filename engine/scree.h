@@ -46,8 +46,13 @@ typedef struct scree_time_def {
     double step;   /* s; 0: chosen from the stiffest possible contact (1/50 of its duration), less so that
                      `divide` is a whole number of steps */
     double divide; /* s; 0: no such wish */
+    /* Instead of a step: the largest error of a rebound velocity (normal, and of the contact point sideways) of one impact of a
+     * sphere, in parts of the impact speed, over phases of first touch; 1e-6 to 0.1, 0: no such wish. Trial impacts at
+     * `speed` find the step for every contact that bodies of the scene can meet under. */
+    double accuracy;
     scree_integrator integrator;
-    int substeps; /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
+    int any_integrator; /* with `accuracy`: take whichever of Verlet and pair impulses needs less time for it */
+    int substeps;       /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
     double speed; /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     int force;    /* accept a step beyond the stability limit */
     int threads;  /* 0: 1 */
@@ -77,7 +82,7 @@ SCREE_API int scree_scene_find_body(const scree_scene *scene, const char *name);
 
 /* Check the whole scene and make the plan; after it definitions can't change. SCREE_BAD_INPUT: bodies whose materials
  * could meet without a contact between them, bodies overlapping by more than half a half-width, a step beyond the
- * stability limit of the stiffest contact. */
+ * stability limit of the stiffest contact, an accuracy that steps can't reach. */
 SCREE_API scree_status scree_scene_bake(scree_scene *scene);
 
 /* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */
