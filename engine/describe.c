@@ -166,6 +166,8 @@ static void describe_step(const scree_scene *scene, FILE *file) {
             scene->plan.trial   ? "by accuracy"
             : choice->automatic ? "automatic"
                                 : "as given");
+    if (scene->time.watch == SCREE_WATCH_HALVE)
+        fprintf(file, "  halved where the run goes wrong, up to %d times\n", SCREE_HALVINGS);
     if (choice->shortest_pair[0] < 0) {
         fprintf(file, "  nothing can touch\n");
         return;

@@ -21,6 +21,7 @@ void scree_scene_destroy(scree_scene *scene) {
     free(scene->def);
     scree_names_free(&scene->names);
     free(scene->plan.trial);
+    free(scene->checkpoint.state);
     scree_bodies_free_shadow(&scene->shadow);
     scree_bodies_destroy(&scene->bodies);
     scree_contacts_destroy(&scene->contacts);
@@ -325,10 +326,14 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "substeps",
                             "substeps must be 1 to 64 and belong to the integrator pair-impulse, got %d",
                             def->substeps);
+    if (def->watch != SCREE_WATCH_STOP && def->watch != SCREE_WATCH_HALVE)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "watch", "there is no watch of number %d",
+                            (int)def->watch);
     if (def->threads < 0 || def->threads > 1024)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
                             def->threads);
     scene->time = *def;
+    scene->time.energy |= def->watch == SCREE_WATCH_HALVE; /* so that writing them down changes nothing */
     return SCREE_OK;
 }
 

@@ -40,6 +40,22 @@ struct scree_scene_plan {
     long pairs_still, pairs_none;   /* skipped: forces move neither; materials or shapes that pass through each other */
 };
 
+/* The state to which a run goes back to halve its step, as save.c writes it, and what no state holds. */
+struct scree_checkpoint {
+    char *state; /* owned */
+    size_t size;
+    double hasty;
+    int hastiest, books_begun;
+};
+
+/* What the watch knows of the run so far: halvings, and the books at the start or the last halving and the largest energy of motion
+ * and the least and most that was stored since then; J. */
+struct scree_watched {
+    int halvings, begun; /* the books are */
+    double balance, lost, driven;
+    double motion, least_stored, most_stored;
+};
+
 struct scree_scene {
     scree_trouble trouble;
     int baked; /* 0: still being defined, 1: ready, -1: baking failed */
@@ -68,7 +84,14 @@ struct scree_scene {
     double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */
     int hastiest;        /* which body */
     int books_begun;     /* the energy books begin at the state that was restored, which held none */
+    struct scree_watched watched;
+    struct scree_checkpoint checkpoint;
+    scree_halving halving[SCREE_HALVINGS];
 };
+
+/* Steps without and with the watch that halves the step. */
+scree_status scree_step_plainly(struct scree_scene *scene, long steps);
+scree_status scree_step_watched(struct scree_scene *scene, long steps);
 
 /* Gravity at a time, m/s^2. */
 void scree_gravity_at(const struct scree_scene *scene, double time, double gravity[3]);

@@ -515,7 +515,7 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
 
 static void read_time(struct scree_reader *r) {
     static const char *const keys[] = {"end",   "step",  "accuracy", "integrator", "substeps",
-                                       "speed", "force", "threads",  NULL};
+                                       "speed", "force", "watch",    "threads",    NULL};
     static const char *const integrators[] = {"verlet", "pair-impulse", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {
@@ -557,6 +557,9 @@ static void read_time(struct scree_reader *r) {
     if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
         scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
     def.substeps = r->status ? 0 : (int)pieces;
+    static const char *const watches[] = {"stop", "halve", NULL};
+    const struct scree_toml *watch = scree_toml_get(table, "watch");
+    if (watch) def.watch = (scree_watch)scree_choose(r, watch, "watch", watches);
     double threads = scree_read_number(r, table, "threads", 1.0);
     if (!(threads >= 1.0 && threads <= 1024.0 && threads == floor(threads)))
         scree_complain(r, scree_toml_get(table, "threads"), "threads must be a whole number, 1 to 1024");
