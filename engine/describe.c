@@ -113,6 +113,48 @@ static void describe_near(const scree_scene *scene, FILE *file) {
     fprintf(file, any ? "\n" : " none\n");
 }
 
+static const char *integrator_name(scree_integrator integrator) {
+    return integrator == SCREE_PAIR_IMPULSE ? "pair-impulse" : "verlet";
+}
+
+/* What the trial impacts of one rule have found. */
+static void describe_trial(const scree_scene *scene, const struct scree_rule_trial *trial, FILE *file) {
+    scree_integrator own = scene->time.integrator;
+    scree_integrator other = own == SCREE_VERLET ? SCREE_PAIR_IMPULSE : SCREE_VERLET;
+    const struct scree_trial_result *result = &trial->result[own], *spare = &trial->result[other];
+    if (trial->pair[0] < 0) return;
+    fprintf(file, "    \"%s\" with \"%s\": ", body_name(scene, trial->pair[0]).text,
+            body_name(scene, trial->pair[1]).text);
+    if (trial->impact.stays) {
+        fprintf(file, "skipped, since they stay together; 1/50 of the contact\n");
+        return;
+    }
+    fprintf(file, "%.4g steps per contact of %.4g s, error found %.2g", result->per_contact, trial->impact.duration[0],
+            result->error);
+    if (spare->reached)
+        fprintf(file, " (%s: %.4g steps)", integrator_name(other), spare->per_contact);
+    else if (spare->per_contact > 0.0)
+        fprintf(file, " (%s: not reached)", integrator_name(other));
+    fprintf(file, "\n");
+}
+
+/* Why the step is as it is, where the scene has left that to the engine. */
+static void describe_rule_of_step(const scree_scene *scene, FILE *file) {
+    const char *cut = "";
+    if (scene->plan.choice.bound_by_damping)
+        cut = scene->time.integrator == SCREE_PAIR_IMPULSE
+                  ? ", here cut to 1/2 of the stability limit because of damping or friction"
+                  : ", here cut to 1/5 of the stability limit because of damping or friction";
+    if (!scene->plan.trial) {
+        fprintf(file, "  rule: 1/50 of the shortest contact%s\n", cut);
+        return;
+    }
+    fprintf(file, "  rule: rebounds within %g of the impact speed, by trial impacts%s%s\n", scene->time.accuracy,
+            scene->contacts.rules && scene->time.any_integrator ? ", with the integrator that is the cheaper" : "",
+            cut);
+    for (int k = 0; k < scene->contacts.rules; k++) describe_trial(scene, &scene->plan.trial[k], file);
+}
+
 static void describe_step(const scree_scene *scene, FILE *file) {
     const struct scree_step_choice *choice = &scene->plan.choice;
     if (scene->time.integrator == SCREE_PAIR_IMPULSE)
@@ -121,7 +163,12 @@ static void describe_step(const scree_scene *scene, FILE *file) {
                 scene->time.substeps ? scene->time.substeps : 2);
     else
         fprintf(file, "integrator: verlet\n");
-    fprintf(file, "step: %.9g s, %s\n", choice->step, choice->automatic ? "automatic" : "as given");
+    fprintf(file, "step: %.9g s, %s\n", choice->step,
+            scene->plan.trial   ? "by accuracy"
+            : choice->automatic ? "automatic"
+                                : "as given");
+    if (scene->time.watch == SCREE_WATCH_HALVE)
+        fprintf(file, "  halved where the run goes wrong, up to %d times\n", SCREE_HALVINGS);
     if (choice->shortest_pair[0] < 0) {
         fprintf(file, "  nothing can touch\n");
         return;
@@ -132,13 +179,7 @@ static void describe_step(const scree_scene *scene, FILE *file) {
     fprintf(file, "  stable up to: %.4g s, \"%s\" with \"%s\"%s\n", choice->limit,
             body_name(scene, choice->limit_pair[0]).text, body_name(scene, choice->limit_pair[1]).text,
             choice->step > choice->limit ? "  (FORCED BEYOND IT)" : "");
-    if (choice->automatic)
-        fprintf(file, "  rule: 1/50 of the shortest contact%s\n",
-                choice->bound_by_damping
-                    ? scene->time.integrator == SCREE_PAIR_IMPULSE
-                          ? ", here cut to 1/2 of the stability limit because of damping or friction"
-                          : ", here cut to 1/5 of the stability limit because of damping or friction"
-                    : "");
+    if (choice->automatic) describe_rule_of_step(scene, file);
     if (choice->automatic && scene->time.divide > 0.0)
         fprintf(file, "  lowered so that %.9g s (between rows, or of the whole run) is a whole number of steps: %.0f\n",
                 scene->time.divide, scene->time.divide / choice->step);

@@ -11,6 +11,10 @@
 static const double steps_per_contact = 50.0, share_of_limit = 0.2, share_of_impulse_limit = 0.5;
 static const double pi = 3.14159265358979323846;
 
+/* Time of a step of pair impulses over that of a Verlet step, without and with friction, for choosing between them: of impacts 3.2
+ * to 4.3 and 5 to 8, of a box that slides 16 (scree-bench precision, data/bench/precision.csv). */
+static const double cost_of_impulses[2] = {3.5, 10.0};
+
 /* ---- how soft bodies are ---- */
 
 /* Softness of a box under springs at the four corners of a face, 1/kg summed over the corners: the largest eigenvalue of
@@ -272,6 +276,23 @@ static void note_pair(double value, int i, int j, double *least, int pair[2]) {
     pair[1] = j;
 }
 
+/* The pair of its rule that trial impacts stand for: the one with the shortest contact. The sphere has the mass with which corners
+ * that share a load, or one alone, meet; the laws take their constants from that of the bodies, as ever. */
+static void note_trial(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j, double duration) {
+    struct scree_rule_trial *trial = &scene->plan.trial[rule - scene->contacts.rule];
+    const struct scree_bodies *bodies = &scene->bodies;
+    if (trial->pair[0] >= 0 && !(duration < trial->duration)) return;
+    double lightest = 1.0 / (softness(bodies, i, 0) + softness(bodies, j, 0));
+    double mass = scree_effective_mass(bodies, i, j) / rule->share, radius = scree_radius_of_pair(bodies, i, j);
+    double half = fmin(scree_shape_half_width(&bodies->shape[i]), scree_shape_half_width(&bodies->shape[j]));
+    if (mass == 0.0) mass = lightest;   /* bodies that only turn */
+    if (!(radius > 0.0)) radius = half; /* sharp corners */
+    *trial = (struct scree_rule_trial){
+        .pair = {i, j},
+        .duration = duration,
+        .impact = {.rule = rule, .mass = fmin(lightest, mass), .law_mass = mass, .radius = radius}};
+}
+
 /* Let the contact of bodies i and j count. */
 static void limit_by(const struct scree_scene *scene, int i, int j, struct scree_step_choice *choice) {
     const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, &scene->bodies, i, j, NULL);
@@ -282,6 +303,7 @@ static void limit_by(const struct scree_scene *scene, int i, int j, struct scree
     note_pair(fmin(stable, rates.stretch_step), i, j, &choice->limit, choice->limit_pair);
     note_pair(pi / sqrt(rates.stiffness), i, j, &choice->duration, choice->shortest_pair);
     choice->reach = fmax(choice->reach, rates.reach);
+    if (scene->plan.trial) note_trial(scene, rule, i, j, pi / sqrt(rates.stiffness));
 }
 
 static void find_limits(const struct scree_scene *scene, const struct species *species,
@@ -296,11 +318,123 @@ static void find_limits(const struct scree_scene *scene, const struct species *s
                     limit_by(scene, species[s].stands[a], species[t].stands[b], choice);
 }
 
-static double automatic_step(const struct scree_time_def *time, struct scree_step_choice *choice) {
-    double step = choice->duration / steps_per_contact;
-    double share = time->integrator == SCREE_PAIR_IMPULSE ? share_of_impulse_limit : share_of_limit;
-    choice->bound_by_damping = share * choice->limit < step;
-    if (choice->bound_by_damping) step = share * choice->limit;
+/* ---- the step by accuracy ---- */
+
+static scree_status prepare_trials(struct scree_scene *scene) {
+    for (int k = 0; k < scene->contacts.rules; k++) {
+        struct scree_rule_trial *trial = &scene->plan.trial[k];
+        if (trial->pair[0] < 0) continue;
+        trial->impact.speed = scene->plan.choice.speed;
+        scree_status status = scree_trial_prepare(&trial->impact, &scene->trouble);
+        if (status) return status;
+    }
+    return SCREE_OK;
+}
+
+/* The rule that keeps farthest from the accuracy with this integrator; NULL: all reach it. */
+static const struct scree_rule_trial *farthest(const struct scree_scene *scene, scree_integrator integrator) {
+    const struct scree_rule_trial *worst = NULL;
+    for (int k = 0; k < scene->contacts.rules; k++) {
+        const struct scree_rule_trial *trial = &scene->plan.trial[k];
+        if (trial->pair[0] < 0 || trial->impact.stays || trial->result[integrator].reached) continue;
+        if (!worst || trial->result[integrator].error > worst->result[integrator].error) worst = trial;
+    }
+    return worst;
+}
+
+/* The longest step with which the scene's integrator is accurate enough, s; where bodies stay together, that of step = "auto". */
+static scree_status find_accurate(struct scree_scene *scene) {
+    const struct scree_time_def *time = &scene->time;
+    scene->plan.choice.accurate = HUGE_VAL;
+    for (int k = 0; k < scene->contacts.rules; k++) {
+        struct scree_rule_trial *trial = &scene->plan.trial[k];
+        struct scree_trial_result *result = &trial->result[time->integrator];
+        if (trial->pair[0] < 0) continue;
+        int substeps = time->integrator == SCREE_PAIR_IMPULSE ? time->substeps : 0;
+        double step = trial->duration / steps_per_contact;
+        if (!trial->impact.stays) {
+            scree_status status =
+                scree_trial_search(&trial->impact, time->integrator, substeps, time->accuracy, result, &scene->trouble);
+            if (status) return status;
+            step = result->step;
+        }
+        scene->plan.choice.accurate = fmin(scene->plan.choice.accurate, step);
+    }
+    return SCREE_OK;
+}
+
+static double stable_share(const struct scree_scene *scene) {
+    double share = scene->time.integrator == SCREE_PAIR_IMPULSE ? share_of_impulse_limit : share_of_limit;
+    return share * scene->plan.choice.limit;
+}
+
+/* Time per simulated second with the scene's integrator, in Verlet steps. */
+static double cost_of_run(const struct scree_scene *scene) {
+    double step = fmin(scene->plan.choice.accurate, stable_share(scene));
+    int friction = 0;
+    for (int k = 0; k < scene->contacts.rules; k++) friction |= scene->contacts.rule[k].friction >= 0;
+    return (scene->time.integrator == SCREE_PAIR_IMPULSE ? cost_of_impulses[friction] : 1.0) / step;
+}
+
+static scree_status out_of_reach(struct scree_scene *scene) {
+    int impulses = scene->time.any_integrator || scene->time.integrator == SCREE_PAIR_IMPULSE;
+    scree_integrator integrator = impulses ? SCREE_PAIR_IMPULSE : SCREE_VERLET;
+    const struct scree_rule_trial *worst = farthest(scene, integrator);
+    const struct scree_trial_result *result = &worst->result[integrator];
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
+                        "an accuracy of %g can't be reached with the integrator %s: an impact of \"%s\" with \"%s\" at "
+                        "%g m/s comes out within %.2g of its speed at %.0f steps per contact; ask for less%s",
+                        scene->time.accuracy, impulses ? "pair-impulse" : "verlet", scree_name(scene, worst->pair[0]),
+                        scree_name(scene, worst->pair[1]), scene->plan.choice.speed, result->error, result->per_contact,
+                        !impulses                    ? ", or take integrator = \"pair-impulse\""
+                        : scene->time.any_integrator ? ""
+                        : scene->time.substeps < 4   ? ", or take substeps = 4"
+                                                     : "");
+}
+
+/* Let trial impacts say how long a step may be, and which integrator is the cheaper if none is given. */
+static scree_status choose_by_accuracy(struct scree_scene *scene, const struct species *species) {
+    struct scree_step_choice *choice = &scene->plan.choice, best = {0};
+    static const scree_integrator integrators[] = {SCREE_VERLET, SCREE_PAIR_IMPULSE};
+    scree_integrator wanted = scene->time.integrator, taken = wanted;
+    double least = HUGE_VAL;
+    int found = 0;
+    scree_status status = prepare_trials(scene);
+    for (int k = 0; k < 2 && !status; k++) {
+        if (!scene->time.any_integrator && integrators[k] != wanted) continue;
+        scene->time.integrator = integrators[k];
+        find_limits(scene, species, choice);
+        status = find_accurate(scene);
+        double cost = cost_of_run(scene);
+        if (farthest(scene, integrators[k]) || (found && !(cost < least))) continue;
+        least = cost;
+        best = *choice;
+        taken = integrators[k];
+        found = 1;
+    }
+    scene->time.integrator = taken;
+    if (status) return status;
+    if (!found) return out_of_reach(scene);
+    *choice = best;
+    return SCREE_OK;
+}
+
+/* Room for the trials of all rules. */
+static scree_status make_trials(struct scree_scene *scene) {
+    struct scree_rule_trial *trial = calloc((size_t)scene->contacts.rules + 1, sizeof *trial);
+    if (!trial) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for trial impacts");
+    for (int k = 0; k < scene->contacts.rules; k++) trial[k].pair[0] = -1;
+    scene->plan.trial = trial;
+    return SCREE_OK;
+}
+
+static double automatic_step(struct scree_scene *scene) {
+    const struct scree_time_def *time = &scene->time;
+    struct scree_step_choice *choice = &scene->plan.choice;
+    double step = time->accuracy > 0.0 ? choice->accurate : choice->duration / steps_per_contact;
+    double most = stable_share(scene);
+    choice->bound_by_damping = most < step;
+    if (choice->bound_by_damping) step = most;
     if (!(step < HUGE_VAL)) step = time->divide > 0.0 ? time->divide / 100.0 : 1e-3; /* nothing can touch */
     if (time->divide > 0.0) step = time->divide / ceil(time->divide / step);
     return step;
@@ -311,9 +445,13 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
     const struct scree_time_def *time = &scene->time;
     choice->speed_given = time->speed > 0.0;
     choice->speed = choice->speed_given ? time->speed : estimate_speed(scene);
+    scree_status status = time->accuracy > 0.0 ? make_trials(scene) : SCREE_OK;
+    if (status) return status;
     find_limits(scene, species, choice);
+    if (time->accuracy > 0.0) status = choose_by_accuracy(scene, species);
+    if (status) return status;
     choice->automatic = time->step == 0.0;
-    choice->step = choice->automatic ? automatic_step(time, choice) : time->step;
+    choice->step = choice->automatic ? automatic_step(scene) : time->step;
     scene->step = choice->step;
     if (choice->step <= choice->limit || time->force) return SCREE_OK;
     return scree_report(
@@ -484,11 +622,11 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status)
         status = scree_contacts_create(&scene->contacts, scene->defs, scene->materials, scene->rule, scene->rules,
                                        &scene->trouble);
-    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
-    if (!status && impulses) status = keep_impulses(scene);
     if (status) return status;
     count_bodies(scene);
     status = plan_pairs_and_step(scene);
+    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE; /* the plan may have chosen it */
+    if (!status && impulses) status = keep_impulses(scene);
     if (status) return status;
     scene->contacts.skin = choose_skin(&scene->bodies, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;

@@ -5,6 +5,7 @@
 #include "engine/hash.h"
 #include "engine/scene.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,6 +26,7 @@ struct scalars {
     double driven, first_energy, lost_normal, work_tangential, deepest, steepest;
     int deepest_ball, deepest_host, steepest_ball, steepest_host;
     int energy; /* the books were kept */
+    struct scree_watched watched;
 };
 
 struct stream {
@@ -165,7 +167,8 @@ static struct prints prints_of(const scree_scene *scene) {
 }
 
 /* SCREE_BAD_INPUT if the state is of another scene, with what differs. */
-static scree_status compare(scree_scene *scene, const struct prints *stored, double step, const char *name) {
+static scree_status compare(scree_scene *scene, const struct prints *stored, const struct scalars *scalars,
+                            const char *name) {
     struct prints own = prints_of(scene);
     char differs[256] = "";
     for (int k = 0; k < PRINTS; k++) {
@@ -176,10 +179,13 @@ static scree_status compare(scree_scene *scene, const struct prints *stored, dou
     if (differs[0])
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                             "%s: this state belongs to another scene; what differs: %s", name, differs);
-    if (scene->plan.choice.automatic || step == scene->step) return SCREE_OK;
+    /* The step that the state began with: halving takes the one given down, in the state or in the scene that goes back to it. */
+    double step = ldexp(scalars->step, scalars->watched.halvings);
+    double own_step = ldexp(scene->step, scene->watched.halvings);
+    if (scene->plan.choice.automatic || step == own_step) return SCREE_OK;
     return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                         "%s: this state belongs to another scene: its step is %.17g s, not %.17g s", name, step,
-                        scene->step);
+                        own_step);
 }
 
 /* ---- contact memory as a list ---- */
@@ -252,6 +258,7 @@ static struct scalars scalars_of(const scree_scene *scene) {
     scalars.steps = scene->steps;
     scalars.step = scene->step;
     scalars.energy = scene->time.energy;
+    scalars.watched = scene->watched; /* two whole numbers, then doubles: no padding */
     scalars.driven = scene->driven;
     scalars.first_energy = scene->first_energy;
     scalars.lost_normal = contacts->lost_normal;
@@ -269,6 +276,7 @@ static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
     struct scree_contacts *contacts = &scene->contacts;
     scene->steps = scalars->steps;
     scene->step = scene->plan.choice.step = scalars->step;
+    scene->watched = scalars->watched;
     scene->driven = scalars->driven;
     scene->first_energy = scalars->first_energy;
     contacts->lost_normal = scalars->lost_normal;
@@ -315,6 +323,7 @@ static scree_status begin_books(scree_scene *scene) {
     contacts->work_tangential = -energy.lost_tangential; /* what tangential springs hold now isn't lost */
     status = scree_scene_energy(scene, &energy);
     scene->first_energy = energy.balance;
+    scene->watched = (struct scree_watched){.halvings = scene->watched.halvings};
     return status;
 }
 
@@ -392,9 +401,10 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     get(&s, &prints, sizeof prints);
     get(&s, &scalars, sizeof scalars);
     get(&s, &memories, sizeof memories);
-    if (s.failed)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "%s: this state file is incomplete", name);
-    scree_status status = compare(scene, &prints, scalars.step, name);
+    if (s.failed || scalars.watched.halvings < 0 || scalars.watched.halvings > SCREE_HALVINGS)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "%s: this state file is damaged or incomplete",
+                            name);
+    scree_status status = compare(scene, &prints, &scalars, name);
     if (status) return status;
     if (memories < 0 || memories > 2000000000L) memories = 0; /* damaged: the hash will tell */
     struct body_part *part = calloc((size_t)scene->bodies.count + 1, sizeof *part);

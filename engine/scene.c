@@ -20,6 +20,8 @@ void scree_scene_destroy(scree_scene *scene) {
     free(scene->rule);
     free(scene->def);
     scree_names_free(&scene->names);
+    free(scene->plan.trial);
+    free(scene->checkpoint.state);
     scree_bodies_free_shadow(&scene->shadow);
     scree_bodies_destroy(&scene->bodies);
     scree_contacts_destroy(&scene->contacts);
@@ -306,6 +308,17 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
                                 "%s must be a positive number, got %g", numbers[k].field, numbers[k].value);
+    if (def->accuracy != 0.0 && !(def->accuracy >= 1e-6 && def->accuracy <= 0.1))
+        return scree_report(
+            &scene->trouble, SCREE_BAD_INPUT, "accuracy",
+            "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
+            def->accuracy);
+    if (def->accuracy != 0.0 && def->step != 0.0)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
+                            "accuracy finds the step, so that a step can't be given with it; leave one of them out");
+    if (def->any_integrator && def->accuracy == 0.0)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "any_integrator",
+                            "the integrator is chosen by an accuracy, and none is asked for");
     if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
                             (int)def->integrator);
@@ -313,10 +326,14 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "substeps",
                             "substeps must be 1 to 64 and belong to the integrator pair-impulse, got %d",
                             def->substeps);
+    if (def->watch != SCREE_WATCH_STOP && def->watch != SCREE_WATCH_HALVE)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "watch", "there is no watch of number %d",
+                            (int)def->watch);
     if (def->threads < 0 || def->threads > 1024)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
                             def->threads);
     scene->time = *def;
+    scene->time.energy |= def->watch == SCREE_WATCH_HALVE; /* so that writing them down changes nothing */
     return SCREE_OK;
 }
 

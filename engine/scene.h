@@ -5,6 +5,7 @@
 #include "contact/contacts.h"
 #include "engine/names.h"
 #include "engine/scree.h"
+#include "engine/trial.h"
 
 /* How the step was chosen, and what limits it. */
 struct scree_step_choice {
@@ -17,16 +18,42 @@ struct scree_step_choice {
     double speed; /* m/s reckoned with */
     int speed_given;
     int automatic;
-    int bound_by_damping; /* the automatic step is below 1/50 of a contact because of damping or friction */
+    double accurate;      /* s: the longest step that is accurate enough, if an accuracy was asked for */
+    int bound_by_damping; /* the automatic step is below that, or 1/50 of a contact, because of damping or friction */
+};
+
+/* Trial impacts for one contact rule, if an accuracy was asked for. */
+struct scree_rule_trial {
+    int pair[2];     /* bodies whose contact is the shortest; -1: none can meet */
+    double duration; /* of it, s */
+    struct scree_trial impact;
+    struct scree_trial_result result[SCREE_PAIR_IMPULSE + 1]; /* by the integrators that were tried */
 };
 
 /* What the plan says about the scene. */
 struct scree_scene_plan {
     struct scree_step_choice choice;
-    int free, driven, fixed;       /* bodies */
-    int balls, general;            /* free or driven ones, by class */
-    long pairs_all, pairs_meeting; /* pairs of bodies */
-    long pairs_still, pairs_none;  /* skipped: forces move neither; materials or shapes that pass through each other */
+    struct scree_rule_trial *trial; /* owned; one a rule; NULL: no accuracy was asked for */
+    int free, driven, fixed;        /* bodies */
+    int balls, general;             /* free or driven ones, by class */
+    long pairs_all, pairs_meeting;  /* pairs of bodies */
+    long pairs_still, pairs_none;   /* skipped: forces move neither; materials or shapes that pass through each other */
+};
+
+/* The state to which a run goes back to halve its step, as save.c writes it, and what no state holds. */
+struct scree_checkpoint {
+    char *state; /* owned */
+    size_t size;
+    double hasty;
+    int hastiest, books_begun;
+};
+
+/* What the watch knows of the run so far: halvings, and the books at the start or the last halving and the largest energy of motion
+ * and the least and most that was stored since then; J. */
+struct scree_watched {
+    int halvings, begun; /* the books are */
+    double balance, lost, driven;
+    double motion, least_stored, most_stored;
 };
 
 struct scree_scene {
@@ -59,7 +86,14 @@ struct scree_scene {
     double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */
     int hastiest;        /* which body */
     int books_begun;     /* the energy books begin at the state that was restored, which held none */
+    struct scree_watched watched;
+    struct scree_checkpoint checkpoint;
+    scree_halving halving[SCREE_HALVINGS];
 };
+
+/* Steps without and with the watch that halves the step. */
+scree_status scree_step_plainly(struct scree_scene *scene, long steps);
+scree_status scree_step_watched(struct scree_scene *scene, long steps);
 
 /* Gravity at a time, m/s^2. */
 void scree_gravity_at(const struct scree_scene *scene, double time, double gravity[3]);

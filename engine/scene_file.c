@@ -514,7 +514,8 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
 }
 
 static void read_time(struct scree_reader *r) {
-    static const char *const keys[] = {"end", "step", "integrator", "substeps", "speed", "force", "threads", NULL};
+    static const char *const keys[] = {"end",   "step",  "accuracy", "integrator", "substeps",
+                                       "speed", "force", "watch",    "threads",    NULL};
     static const char *const integrators[] = {"verlet", "pair-impulse", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {
@@ -538,6 +539,16 @@ static void read_time(struct scree_reader *r) {
         def.step = scree_number_of(r, step, "step");
         if (!(def.step > 0.0)) scree_complain(r, step, "step must be > 0 s (or \"auto\"), got %g", def.step);
     }
+    const struct scree_toml *accuracy = scree_toml_get(table, "accuracy");
+    def.accuracy = scree_read_number(r, table, "accuracy", 0.0);
+    if (accuracy && step && def.step > 0.0)
+        scree_complain(r, accuracy,
+                       "accuracy finds the step, so that step can't be given with it; leave one of them out");
+    if (accuracy && !r->status && !(def.accuracy >= 1e-6 && def.accuracy <= 0.1))
+        scree_complain(r, accuracy,
+                       "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
+                       def.accuracy);
+    def.any_integrator = accuracy && !integrator;
     if (integrator) def.integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
     const struct scree_toml *substeps = scree_toml_get(table, "substeps");
     double pieces = substeps ? scree_read_number(r, table, "substeps", 0.0) : 0.0;
@@ -546,6 +557,9 @@ static void read_time(struct scree_reader *r) {
     if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
         scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
     def.substeps = r->status ? 0 : (int)pieces;
+    static const char *const watches[] = {"stop", "halve", NULL};
+    const struct scree_toml *watch = scree_toml_get(table, "watch");
+    if (watch) def.watch = (scree_watch)scree_choose(r, watch, "watch", watches);
     double threads = scree_read_number(r, table, "threads", 1.0);
     if (!(threads >= 1.0 && threads <= 1024.0 && threads == floor(threads)))
         scree_complain(r, scree_toml_get(table, "threads"), "threads must be a whole number, 1 to 1024");
@@ -655,7 +669,8 @@ static scree_status define(struct scree_reader *r, struct scree_toml_document *d
     /* Of what baking refuses, only the step stands in one place of the file. */
     const scree_trouble *cause = scree_scene_trouble(into(r)->scene);
     const struct scree_toml *time = scree_toml_get(r->root, "time");
-    check(r, status, strcmp(cause->field, "step") == 0 ? time : NULL);
+    int of_time = strcmp(cause->field, "step") == 0 || strcmp(cause->field, "accuracy") == 0;
+    check(r, status, of_time ? time : NULL);
     return r->status;
 }
 

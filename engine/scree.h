@@ -42,16 +42,31 @@ typedef enum scree_integrator {
                            from the same step for damped contacts, at several times the cost; second order */
 } scree_integrator;
 
+/* What becomes of a run that goes wrong (scree_scene_step says when). */
+typedef enum scree_watch {
+    SCREE_WATCH_STOP = 0, /* it stops */
+    SCREE_WATCH_HALVE, /* it goes back to where it was last kept in memory (where scree_scene_step was called, or up to 1000
+                             steps before), halves the step and goes on; after 10 halvings it stops. The energy books are kept, and
+                             energy that has grown by 10 % of what was turned over is a reason too. Each call of scree_scene_step
+                             keeps the state, so that calls of single steps cost more. */
+} scree_watch;
+
 typedef struct scree_time_def {
     double step;   /* s; 0: chosen from the stiffest possible contact (1/50 of its duration), less so that
                      `divide` is a whole number of steps */
     double divide; /* s; 0: no such wish */
+    /* Instead of a step: the largest error of a rebound velocity (normal, and of the contact point sideways) of one impact of a
+     * sphere, in parts of the impact speed, over phases of first touch; 1e-6 to 0.1, 0: no such wish. Trial impacts at
+     * `speed` find the step for every contact that bodies of the scene can meet under. */
+    double accuracy;
     scree_integrator integrator;
-    int substeps; /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
+    int any_integrator; /* with `accuracy`: take whichever of Verlet and pair impulses needs less time for it */
+    int substeps;       /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
     double speed; /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     int force;    /* accept a step beyond the stability limit */
-    int threads;  /* 0: 1 */
-    int energy;   /* keep the energy books (scree_scene_energy) */
+    scree_watch watch;
+    int threads; /* 0: 1 */
+    int energy;  /* keep the energy books (scree_scene_energy) */
 } scree_time_def;
 
 /* An empty scene, NULL if there is no memory. The caller destroys it; NULL may be destroyed too. */
@@ -77,15 +92,28 @@ SCREE_API int scree_scene_find_body(const scree_scene *scene, const char *name);
 
 /* Check the whole scene and make the plan; after it definitions can't change. SCREE_BAD_INPUT: bodies whose materials
  * could meet without a contact between them, bodies overlapping by more than half a half-width, a step beyond the
- * stability limit of the stiffest contact. */
+ * stability limit of the stiffest contact, an accuracy that steps can't reach. */
 SCREE_API scree_status scree_scene_bake(scree_scene *scene);
 
 /* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */
 SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
 
 /* Advance by `steps` steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body faster
- * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then. */
+ * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then. If the watch
+ * has halved the step meanwhile, the time reached is the same, after as many more steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
+
+/* A halving of the step: when the run went wrong and to where it went back, s; the new step, s; and the cause in words. */
+typedef struct scree_halving {
+    double failed, back, step;
+    scree_trouble cause;
+} scree_halving;
+enum { SCREE_HALVINGS = 10 };
+
+/* Halvings so far, those before a restored state among them; and each of them (0 … halvings - 1; all zero for those; NULL: there is
+ * none). Belongs to the scene. */
+SCREE_API int scree_scene_halvings(const scree_scene *scene);
+SCREE_API const scree_halving *scree_scene_halving(const scree_scene *scene, int index);
 
 /* Time reached (s), length of a step (s), steps taken, number of bodies. */
 SCREE_API double scree_scene_time(const scree_scene *scene);

@@ -150,6 +150,10 @@ static scree_status step_once(scree_scene *scene, int more) {
 scree_status scree_scene_step(scree_scene *scene, long steps) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can step");
+    return scene->time.watch == SCREE_WATCH_HALVE ? scree_step_watched(scene, steps) : scree_step_plainly(scene, steps);
+}
+
+scree_status scree_step_plainly(struct scree_scene *scene, long steps) {
     for (long k = 0; k < steps; k++) {
         scree_status status = step_once(scene, k + 1 < steps);
         if (status) return status;

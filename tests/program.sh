@@ -188,6 +188,18 @@ check 'into the same folder' 2 'would be overwritten' bounce --set time.end=0.3 
 check 'twice into the default folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume bounce-resumed/final.state
 expect 'the first half is still as it was' test "$first" = "$(cksum <"$work/bounce/bodies.csv")"
 
+# A step far too long, halved where the run goes wrong; the second half of such a run goes on with the step that it had.
+coarse() { bounce --set time.step=2e-3 --set time.force=true --set output.every=0.02 "$@"; }
+check 'a step too long stops' 1 'stopped at t = ' coarse -o long
+check 'a step too long is halved' 0 'on with half the step, 0.001 s' coarse --set time.watch='"halve"' -o halved
+expect 'rows in spite of halving' test "$(tail -n 1 "$work/halved/bodies.csv" | cut -d, -f1)" = 1
+whole=$(coarse --set time.watch='"halve"' -o halved 2>&1 | hash_of)
+coarse --quiet --set time.watch='"halve"' --set time.end=0.6 -o halved1 2>"$work/halvings"
+expect 'each halving is told' test "$(grep -c 'half the step' "$work/halvings")" -eq 2
+resumed=$(coarse --set time.watch='"halve"' --resume halved1/final.state -o halved2 2>&1 | hash_of)
+expect 'a halved run resumed has the same hash' test -n "$whole" -a "$whole" = "$resumed"
+check 'accuracy in the plan' 0 'by trial impacts' "$scree" check "$scenes/bounce.toml" --set time.accuracy=1e-3
+
 check 'state of another scene' 2 'another scene' "$scree" run "$scenes/transport.toml" -o "$work/x1" --resume "$work/half/final.state"
 nothing_left "$work/x1"
 check 'state that is none' 2 'no state file' "$scree" run "$scenes/incline.toml" -o "$work/x2" --resume "$scenes/incline.toml"

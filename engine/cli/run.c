@@ -39,6 +39,7 @@ struct run {
     time_t shown;
     /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside it. */
     double largest, worst, worst_time;
+    int halvings; /* told so far */
 };
 
 /* A balance beyond this share of the energy turned over is told at the end. */
@@ -96,22 +97,42 @@ static scree_status watch_books(struct run *run) {
     return SCREE_OK;
 }
 
+/* What the watch has done since it was last asked. */
+static void tell_halvings(struct run *run) {
+    for (; run->halvings < scree_scene_halvings(run->scene); run->halvings++) {
+        const scree_halving *halving = scree_scene_halving(run->scene, run->halvings);
+        if (run->shown) fputc('\n', stderr); /* ends the line of the progress */
+        cli_complain("%s; went back to t = %.9g s, and on with half the step, %.6g s", halving->cause.text,
+                     halving->back, halving->step);
+    }
+}
+
+static long last_step(const struct run *run) { return scree_steps_to(run->scene, run->request.end); }
+
+/* Up to the next row. Where the step is halved on the way, twice as many lead to the same instant. */
+static scree_status step_to_row(struct run *run) {
+    scree_status status = SCREE_OK;
+    long target = next_row(run, last_step(run));
+    while (!status && scree_scene_steps(run->scene) < target) {
+        long chunk = target - scree_scene_steps(run->scene);
+        int halvings = scree_scene_halvings(run->scene);
+        status = scree_scene_step(run->scene, chunk < 1000 ? chunk : 1000);
+        target <<= scree_scene_halvings(run->scene) - halvings;
+        tell_halvings(run);
+        if (status) run->trouble = *scree_scene_trouble(run->scene);
+        if (!status) status = watch_books(run);
+        show_progress(run, scree_scene_steps(run->scene), last_step(run));
+    }
+    return status;
+}
+
 static scree_status simulate(struct run *run) {
-    long last = scree_steps_to(run->scene, run->request.end);
+    run->halvings = scree_scene_halvings(run->scene); /* of the state resumed from */
     scree_status status = scree_output_row(&run->output, run->scene, &run->trouble);
     if (!status) status = watch_books(run);
-    while (!status && scree_scene_steps(run->scene) < last) {
-        long target = next_row(run, last);
-        while (!status && scree_scene_steps(run->scene) < target) {
-            long chunk = target - scree_scene_steps(run->scene);
-            status = scree_scene_step(run->scene, chunk < 1000 ? chunk : 1000);
-            if (!status) status = watch_books(run);
-            show_progress(run, scree_scene_steps(run->scene), last);
-        }
-        if (status)
-            run->trouble = *scree_scene_trouble(run->scene);
-        else
-            status = scree_output_row(&run->output, run->scene, &run->trouble);
+    while (!status && scree_scene_steps(run->scene) < last_step(run)) {
+        status = step_to_row(run);
+        if (!status) status = scree_output_row(&run->output, run->scene, &run->trouble);
     }
     return status;
 }
@@ -224,6 +245,7 @@ static scree_status run_loaded(struct run *run, const char *folder, const char *
     }
     struct timespec start, end;
     long before = scree_scene_steps(run->scene);
+    int halved = scree_scene_halvings(run->scene);
     clock_gettime(CLOCK_MONOTONIC, &start);
     status = simulate(run);
     clock_gettime(CLOCK_MONOTONIC, &end);
@@ -240,7 +262,7 @@ static scree_status run_loaded(struct run *run, const char *folder, const char *
     warn_of_books(run);
     if (!status && !run->quiet)
         summarise(run, folder, (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec),
-                  scree_scene_steps(run->scene) - before);
+                  scree_scene_steps(run->scene) - (before << (scree_scene_halvings(run->scene) - halved)));
     return status;
 }
 

@@ -1,0 +1,204 @@
+/* The watch that halves the step: a run that goes wrong goes back to where it was last kept in memory, and on with half the step.
+ *
+ * The state is kept where a call of scree_scene_step begins, so that nothing that a caller has seen is taken back, and every so
+ * many steps. Times are whole numbers of steps, and half a step is exact in binary: twice the number of half the step is the same
+ * instant in every bit. */
+#include "engine/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { STEPS_KEPT = 1000 };
+
+/* The books may gain this share of what was turned over. */
+static const double tolerable_growth = 0.1;
+
+static int has_numbers(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
+
+/* A state that the next step would stop at isn't worth keeping. */
+static scree_status check_state(scree_scene *scene) {
+    for (int k = 0; k < scene->bodies.count; k++) {
+        const struct scree_state *state = &scene->bodies.state[k];
+        double way = vec_norm(vec_from(state->v)) * scene->step;
+        if (has_numbers(state->x) && has_numbers(state->l) && way <= scene->contacts.skin) continue;
+        scree_report(
+            &scene->trouble, SCREE_FAILED, NULL,
+            "stopped at t = %.9g s: body \"%s\": it is no longer where numbers reach, or moves too far in a step "
+            "to be watched; the step is too large or a contact too stiff",
+            scree_scene_time(scene), scree_name(scene, k));
+        scene->trouble.time = scree_scene_time(scene);
+        scene->trouble.body = k;
+        scene->trouble.other = -1;
+        return SCREE_FAILED;
+    }
+    return SCREE_OK;
+}
+
+/* ---- the books ---- */
+
+static double lost(const scree_energy *energy) { return energy->lost_normal + energy->lost_tangential; }
+
+static double moving(const scree_energy *energy) { return energy->kinetic + energy->rotational; }
+
+/* Look at the books from here on. */
+static scree_status begin_watch(scree_scene *scene) {
+    struct scree_watched *watched = &scene->watched;
+    scree_energy energy;
+    scree_status status = scree_scene_energy(scene, &energy);
+    if (status) return status;
+    *watched = (struct scree_watched){.halvings = watched->halvings,
+                                      .begun = 1,
+                                      .balance = energy.balance,
+                                      .lost = lost(&energy),
+                                      .driven = energy.driven,
+                                      .motion = moving(&energy),
+                                      .least_stored = energy.stored,
+                                      .most_stored = energy.stored};
+    return SCREE_OK;
+}
+
+/* What was turned over since: the most that moved, what was stored and released, what contacts took and drives gave. (What is stored
+ * all the time, as in a load at rest, isn't turned over.) */
+static double turned_over(struct scree_watched *watched, const scree_energy *energy) {
+    watched->motion = fmax(watched->motion, moving(energy));
+    watched->least_stored = fmin(watched->least_stored, energy->stored);
+    watched->most_stored = fmax(watched->most_stored, energy->stored);
+    return watched->motion + (watched->most_stored - watched->least_stored) + fabs(lost(energy) - watched->lost) +
+           fabs(energy->driven - watched->driven);
+}
+
+/* Energy below which growth means nothing: rounding, and the motion that gravity gives in one step, since forces that balance it are
+ * felt a step late when they begin. */
+static double blurred(const scree_scene *scene, const scree_energy *energy) {
+    double kick2 = scene->step * scene->step * vec_norm2(vec_from(scene->gravity.vector)), mass = 0.0;
+    for (int k = 0; k < scene->bodies.count; k++)
+        if (scree_joint_can_move(&scene->bodies.joint[k])) mass += scene->bodies.inertia[k].mass;
+    return 0.5 * mass * kick2 +
+           1e-11 * (energy->stored + fabs(energy->potential) + fabs(lost(energy)) + fabs(energy->driven));
+}
+
+/* SCREE_FAILED if the energy has grown since the start or the last halving, beyond what was put in, by too large a share of what was
+ * turned over. */
+static scree_status check_books(scree_scene *scene) {
+    scree_energy energy;
+    scree_status status = scree_scene_energy(scene, &energy);
+    if (status) return status;
+    double turned = turned_over(&scene->watched, &energy), growth = energy.balance - scene->watched.balance;
+    if (growth <= tolerable_growth * turned + blurred(scene, &energy)) return SCREE_OK; /* a NaN isn't */
+    scree_report(
+        &scene->trouble, SCREE_FAILED, NULL,
+        "stopped at t = %.9g s: the energy has grown by %.3g J beyond what was put in, %.3g %% of what was turned "
+        "over: too long a step",
+        scree_scene_time(scene), growth, 100.0 * growth / turned);
+    scene->trouble.time = scree_scene_time(scene);
+    scene->trouble.body = scene->trouble.other = -1;
+    return SCREE_FAILED;
+}
+
+/* ---- back and on ---- */
+
+static scree_status keep(scree_scene *scene) {
+    struct scree_checkpoint *kept = &scene->checkpoint;
+    free(kept->state);
+    *kept = (struct scree_checkpoint){
+        .hasty = scene->hasty, .hastiest = scene->hastiest, .books_begun = scene->books_begun};
+    FILE *file = open_memstream(&kept->state, &kept->size);
+    if (!file) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory to keep the state");
+    scree_status status = scree_scene_save(scene, file, "memory");
+    if (fclose(file) == 0 && !status) return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory to keep the state");
+}
+
+/* The impulses of two steps that end now, J and before them K, as they would have been of half the step: forces lie on a line
+ * through the middles of the steps. */
+static void halve_past(double *last, double *before) {
+    double bend = 0.25 * (*last - *before), now = *last;
+    *last = 0.5 * (now + bend);
+    *before = 0.5 * (now - bend);
+}
+
+static void halve_bodies(struct scree_bodies *bodies) {
+    for (int k = 0; k < bodies->count; k++)
+        for (int axis = 0; axis < 3; axis++) {
+            bodies->record[k].f[axis] *= 0.5;
+            bodies->record[k].t[axis] *= 0.5;
+            if (!bodies->past) continue;
+            halve_past(&bodies->past[k].f[0][axis], &bodies->past[k].f[1][axis]);
+            halve_past(&bodies->past[k].t[0][axis], &bodies->past[k].t[1][axis]);
+        }
+}
+
+static void halve_contacts(struct scree_contacts *contacts) {
+    for (int b = 0; b < contacts->batches; b++) {
+        struct scree_batch *batch = &contacts->batch[b];
+        for (int k = 0; batch->impulses && k < batch->count; k++)
+            for (int axis = 0; axis < 3; axis++) {
+                double(*past)[SCREE_LANES] = batch->past[k / SCREE_LANES];
+                halve_past(&past[axis][k % SCREE_LANES], &past[3 + axis][k % SCREE_LANES]);
+            }
+    }
+}
+
+static scree_status restore(scree_scene *scene) {
+    const struct scree_checkpoint *kept = &scene->checkpoint;
+    FILE *file = fmemopen(kept->state, kept->size, "rb");
+    if (!file) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory to go back to the state kept");
+    scree_status status = scree_scene_restore(scene, file, "memory");
+    fclose(file);
+    scene->hasty = kept->hasty;
+    scene->hastiest = kept->hastiest;
+    scene->books_begun = kept->books_begun;
+    return status;
+}
+
+/* From a run that has failed to the state kept, with half the step. */
+static scree_status halve(scree_scene *scene) {
+    scree_trouble cause = scene->trouble;
+    scree_status status = restore(scene);
+    if (status) return status;
+    struct scree_watched *watched = &scene->watched;
+    scene->step = scene->plan.choice.step = 0.5 * scene->step;
+    scene->steps *= 2;
+    halve_bodies(&scene->bodies);
+    halve_contacts(&scene->contacts);
+    scree_halving *halving = &scene->halving[watched->halvings++];
+    *halving =
+        (scree_halving){.step = scene->step, .failed = cause.time, .back = scree_scene_time(scene), .cause = cause};
+    return begin_watch(scene);
+}
+
+/* What it says when halving doesn't help. */
+static scree_status give_up(scree_scene *scene) {
+    scree_trouble cause = scene->trouble;
+    scree_report(&scene->trouble, SCREE_FAILED, NULL, "%s; the step was halved %d times before, to %.3g s", cause.text,
+                 scene->watched.halvings, scene->step);
+    scene->trouble.time = cause.time;
+    scene->trouble.body = cause.body;
+    scene->trouble.other = cause.other;
+    return SCREE_FAILED;
+}
+
+scree_status scree_step_watched(struct scree_scene *scene, long steps) {
+    long target = scene->steps + steps;
+    scree_status status = !scene->watched.begun ? begin_watch(scene) : SCREE_OK;
+    if (!status) status = keep(scene);
+    while (!status && scene->steps < target) {
+        long next = (scene->steps / STEPS_KEPT + 1) * STEPS_KEPT;
+        status = scree_step_plainly(scene, (next < target ? next : target) - scene->steps);
+        if (!status) status = check_state(scene);
+        if (!status) status = check_books(scene);
+        if (status == SCREE_FAILED) {
+            if (scene->watched.halvings >= SCREE_HALVINGS) return give_up(scene);
+            status = halve(scene);
+            target *= 2;
+        }
+        if (!status && scene->steps < target) status = keep(scene);
+    }
+    return status;
+}
+
+int scree_scene_halvings(const scree_scene *scene) { return scene->watched.halvings; }
+
+const scree_halving *scree_scene_halving(const scree_scene *scene, int index) {
+    return index >= 0 && index < scene->watched.halvings ? &scene->halving[index] : NULL;
+}
