@@ -1,26 +1,63 @@
-/* scree-bench precision: run time against error for the integrators. */
-#include "bench/bench.h"
+/* scree-bench precision: run time against error for the integrators. The cases are in precision_cases.c. */
+#include "bench/precision.h"
 
 #include "engine/cli/cli.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-static const char help[] = "usage: scree-bench precision [--phases N] [--case NAME]\n"
-                           "\n"
-                           "Run time against error: a few events that each integrator simulates with steps of "
-                           "different length. The error is the\n"
-                           "largest over phases of first touch, with steps that don't divide the contact's duration; "
-                           "of velocities in parts of\n"
-                           "the impact speed, of the sliding distance in parts of it, of the bouncing ball's energy "
-                           "after 20 bounces in parts of it.\n"
-                           "Columns: case, integrator, steps per contact, step (s), largest error, microseconds of one "
-                           "run, nanoseconds per step.\n"
-                           "\n"
-                           "example: scree-bench precision --phases 16 --case cradle\n";
+static const char help[] =
+    "usage: scree-bench precision [--phases N] [--case NAME] [--many] [--script]\n"
+    "\n"
+    "Run time against error: events that each integrator simulates with steps of different length. Errors are over "
+    "phases "
+    "of\n"
+    "first touch, with steps that don't divide the contact's duration; of velocities in parts of the impact speed, of "
+    "ways\n"
+    "in parts of them. Right are closed forms and tables of reference; where there is none, a run of small steps, "
+    "whose "
+    "row \"reference\"\n"
+    "gives its difference from a run of the other integrator with the same steps.\n"
+    "Columns: case, integrator, steps per contact, step (s), largest error, microseconds of one run, nanoseconds per "
+    "step,\n"
+    "error's root mean square over phases and numbers.\n"
+    "\n"
+    "  --phases N   at most 64; 16 if not given (long cases take fewer)\n"
+    "  --case NAME  this one only\n"
+    "  --many       1024 of the damped and the oblique impacts at once, 32 phases each: time is that of one contact, "
+    "steps are\n"
+    "               those of one ball (bench/peers/precision.sh sets other programs beside them)\n"
+    "  --script     print a gnuplot script that draws data/bench/precision.csv\n"
+    "\n"
+    "example: scree-bench precision --phases 16 --case cradle\n";
 
-enum { INTEGRATORS = 3, STEPS = 8, NUMBERS = 3 };
+static const char script[] =
+    "# scree-bench precision > precision.csv; gnuplot precision.gp\n"
+    "set datafile separator ','\n"
+    "set terminal svg size 1500,1500 dynamic\n"
+    "set output 'precision.svg'\n"
+    "cases = system(\"awk -F, '!/^#/ && $1 != \\\"case\\\" && !seen[$1]++ { gsub(\\\" \\\", \\\"_\\\", $1); print $1 "
+    "}' "
+    "precision.csv\")\n"
+    "set multiplot layout 6,4 title 'largest error over microseconds of a run: verlet (red), pair-impulse (blue), with "
+    "4 "
+    "substeps (green)'\n"
+    "set logscale xy\n"
+    "set format '10^{%L}'\n"
+    "set key off\n"
+    "do for [name in cases] {\n"
+    "  set title system(\"echo '\".name.\"' | tr _ ' '\")\n"
+    "  of(who) = \"< awk -F, '{ gsub(\\\" \\\", \\\"_\\\", $1) } $1 == \\\"\".name.\"\\\" && $2 == \\\"\".who.\"\\\" { "
+    "print $6 \\\",\\\" $5 }' precision.csv\"\n"
+    "  plot of('verlet') with linespoints pt 7 ps 0.4 lc rgb '#c03030', \\\n"
+    "       of('pair-impulse') with linespoints pt 7 ps 0.4 lc rgb '#3060c0', \\\n"
+    "       of('pair-impulse x4') with linespoints pt 7 ps 0.4 lc rgb '#2a9d4e'\n"
+    "}\n"
+    "unset multiplot\n";
+
+enum { INTEGRATORS = 3, STEPS = 10, PHASES = 64, MANY = 1024, MANY_PHASES = 32, PARTS = 4 };
 
 static const struct {
     const char *name, *choice, *substeps;
@@ -30,112 +67,7 @@ static const struct {
     {"pair-impulse x4", "time.integrator=\"pair-impulse\"", "time.substeps=4"},
 };
 
-static const double per_contact[STEPS] = {10, 15, 20, 30, 50, 100, 200, 500};
-
-#define BALL_AND_WALL                                                                                                  \
-    "[time]\nend = 10.0\nforce = true\n[[material]]\nname = \"ball\"\n[[material]]\nname = \"wall\"\n"                 \
-    "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"                    \
-    "[[body]]\nname = \"first\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nmass = 0.03\n"
-#define CONTACT "[[contact]]\nbetween = [\"ball\", \"wall\"]\n"
-
-/* What happens, how long, and what is looked at. `reference` NAN: a run of pair-impulse x4 with 5000 steps a contact. */
-static const struct event {
-    const char *name, *scene;
-    double duration; /* of a contact, s */
-    double time;     /* of the event, s */
-    double
-        start; /* the first body's coordinate 0 or 2 along its way to touch, m: it starts up to a step's way before */
-    int axis, numbers; /* of them; the numbers compared */
-    double speed;      /* along that axis, m/s */
-    double reference[NUMBERS];
-} events[] = {
-    {"damped impact",
-     BALL_AND_WALL "velocity = [0, 0, -1]\n" CONTACT
-                   "normal = { law = \"linear-cut\", stiffness = 1e5, restitution = 0.5 }\n",
-     1.77e-3,
-     3e-3,
-     0.01,
-     2,
-     1,
-     -1.0,
-     {0.5}},
-    {"hertz impact",
-     BALL_AND_WALL "velocity = [0, 0, -1]\n" CONTACT "normal = { law = \"hertz\", stiffness = 5e6 }\n",
-     1.66e-3,
-     3e-3,
-     0.01,
-     2,
-     1,
-     -1.0,
-     {1.0}},
-    {"oblique impact",
-     BALL_AND_WALL "velocity = [0.573576436351046, 0, -0.819152044288992]\n" CONTACT
-                   "normal = { law = \"linear-cut\", stiffness = 1e5, restitution = 0.5 }\n"
-                   "friction = { law = \"coulomb\", static = 0.3, kinetic = 0.3, stiffness = 8e4 }\n",
-     1.77e-3,
-     3e-3,
-     0.01,
-     2,
-     3,
-     -0.819152044288992,
-     {NAN}},
-    {"slide to rest",
-     "gravity = [0, 0, -9.81]\n[time]\nend = 10.0\nforce = true\n[[material]]\nname = \"ball\"\n[[material]]\nname = "
-     "\"wall\"\n[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
-     "[[body]]\nname = \"first\"\nshape = { box = [0.03, 0.05, 0.012], rounding = 0.001 }\nmaterial = \"ball\"\nmass = "
-     "0.03\nvelocity = [0.1, 0, 0]\n" CONTACT
-     "normal = { law = \"linear-cut\", stiffness = 1e4, restitution = 0.5 }\nshared_by = 4\n"
-     "friction = { law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 8e3, damping = 2.0 }\n",
-     5.4e-3,
-     0.4,
-     0.006,
-     2,
-     1,
-     0.0,
-     {NAN}},
-    {"cradle",
-     "[time]\nend = 10.0\nforce = true\n[[material]]\nname = \"m\"\n"
-     "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e6, damping = 0.0 }\n"
-     "[[body]]\nname = \"first\"\nshape = { sphere = 0.5 }\nmaterial = \"m\"\nmass = 1.0\nvelocity = [1, 0, 0]\n"
-     "[[body]]\nname = \"second\"\nshape = { sphere = 0.5 }\nmaterial = \"m\"\nmass = 1.0\nposition = [1, 0, 0]\n"
-     "[[body]]\nname = \"third\"\nshape = { sphere = 0.5 }\nmaterial = \"m\"\nmass = 1.0\nposition = [2, 0, 0]\n",
-     2.2214e-3,
-     12e-3,
-     0.0,
-     0,
-     3,
-     1.0,
-     {-0.130261695065, 0.150229569434, 0.980032125631}},
-    {"bouncing ball",
-     "gravity = [0, 0, -9.81]\n" BALL_AND_WALL "velocity = [0, 0, -1]\n" CONTACT
-     "normal = { law = \"hertz\", stiffness = 5e6 }\n",
-     1.66e-3,
-     4.1,
-     0.02,
-     2,
-     1,
-     0.0,
-     {NAN}},
-};
-enum { EVENTS = sizeof events / sizeof events[0] };
-
-/* The numbers that are compared. */
-static void look(const struct event *event, const scree_scene *scene, double numbers[NUMBERS]) {
-    scree_body_state first = scree_scene_body(scene, scree_scene_find_body(scene, "first"));
-    if (strcmp(event->name, "cradle") == 0) {
-        for (int k = 0; k < 3; k++) numbers[k] = scree_scene_body(scene, k).velocity[0];
-    } else if (strcmp(event->name, "slide to rest") == 0) {
-        numbers[0] = first.position[0] / 1.7e-3; /* (0.1 m/s)^2/(2 x 0.3 x 9.81 m/s^2) */
-    } else if (strcmp(event->name, "bouncing ball") == 0) {
-        double energy = 0.5 * first.velocity[2] * first.velocity[2] + 9.81 * (first.position[2] - 0.01);
-        if (first.position[2] < 0.01) energy = NAN;
-        numbers[0] = energy / (0.5 + 9.81 * 0.01);
-    } else {
-        numbers[0] = first.velocity[2];
-        numbers[1] = first.velocity[0];
-        numbers[2] = 0.01 * first.spin[1];
-    }
-}
+static const double per_contact[STEPS] = {10, 12, 15, 20, 30, 50, 100, 200, 350, 500};
 
 /* Seconds of processor time: one thread runs, and whatever else the machine does isn't counted. */
 static double processor_now(void) {
@@ -144,97 +76,200 @@ static double processor_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+static scree_scene *make(const struct precision_case *c, const char *const *changes, int count) {
+    if (c->file && !c->scene) return bench_scene(c->file, changes, count);
+    char *text = c->scene ? NULL : c->make(c);
+    scree_scene *scene = bench_scene_text(text ? text : c->scene, changes, count);
+    free(text);
+    return scene;
+}
+
 /* Run the event; returns the seconds that it took. */
-static double run_event(const struct event *event, int integrator, double step, double phase, double numbers[NUMBERS],
-                        long *steps) {
-    char change[64], place[96];
-    double start = event->start - phase * step * event->speed, at[3] = {0.0, 0.0, 0.0};
-    at[event->axis] = start;
+static double run_case(const struct precision_case *c, int integrator, double step, double phase, double *numbers,
+                       long *steps) {
+    char change[64], place[160];
+    *steps = (long)ceil(c->time / step);
+    if (c->timed) step = c->time / (double)(*steps = lround(c->time / step));
+    const char *changes[6] = {change, integrators[integrator].choice, "time.end=1e4", "time.force=true"};
+    int count = c->file ? 4 : 2;
     snprintf(change, sizeof change, "time.step=%.17g", step);
-    const char *body = strcmp(event->name, "cradle") == 0 ? "body.0" : "body.1";
-    snprintf(place, sizeof place, "%s.position=[%.17g, %.17g, %.17g]", body, at[0], at[1], at[2]);
-    const char *changes[] = {change, place, integrators[integrator].choice, integrators[integrator].substeps};
-    scree_scene *scene = bench_scene_text(event->scene, changes, integrators[integrator].substeps ? 4 : 3);
-    *steps = (long)ceil(event->time / step);
+    if (integrators[integrator].substeps) changes[count++] = integrators[integrator].substeps;
+    if (c->arrives) {
+        snprintf(place, sizeof place, "%s.position=[%.17g, %.17g, %.17g]", c->arrives,
+                 c->touch[0] - phase * step * c->velocity[0], c->touch[1] - phase * step * c->velocity[1],
+                 c->touch[2] - phase * step * c->velocity[2]);
+        changes[count++] = place;
+    }
+    scree_scene *scene = make(c, changes, count);
     double begin = processor_now();
     bench_step(scene, *steps);
     double seconds = processor_now() - begin;
-    look(event, scene, numbers);
-    if (strcmp(event->name, "bouncing ball") == 0)
-        for (int k = 0; k < 100000 && isnan(numbers[0]); k++) {
-            bench_step(scene, 1);
-            look(event, scene, numbers);
-        }
+    c->look(c, scene, numbers);
+    for (int k = 0; k < 100000 && isnan(numbers[0]); k++) { /* not to be had at every time */
+        bench_step(scene, 1);
+        c->look(c, scene, numbers);
+    }
     scree_scene_destroy(scene);
     return seconds;
 }
 
-static void set_reference(const struct event *event, double reference[NUMBERS]) {
+/* The right numbers; returns by how much two fine runs differ, 0 where none is needed. */
+static double set_reference(const struct precision_case *c, double *reference) {
+    static double other[PRECISION_NUMBERS];
+    double step = c->duration / (c->fine > 0.0 ? c->fine : 5000.0), worst = 0.0;
     long ignored;
-    memcpy(reference, event->reference, sizeof event->reference);
-    if (!isnan(reference[0])) return;
-    if (strcmp(event->name, "bouncing ball") == 0)
-        reference[0] = (9.81 * (event->start - 0.01) + 0.5) / (0.5 + 9.81 * 0.01);
-    else
-        run_event(event, INTEGRATORS - 1, event->duration / 5000.0, 0.0, reference, &ignored);
+    if (c->right) {
+        memcpy(reference, c->right, (size_t)c->numbers * sizeof *reference);
+        return 0.0;
+    }
+    if (c->solve) {
+        c->solve(c, reference);
+        return 0.0;
+    }
+    run_case(c, INTEGRATORS - 1, step, 0.0, reference, &ignored);
+    run_case(c, 0, step, 0.0, other, &ignored);
+    for (int n = 0; n < c->numbers; n++) worst = fmax(worst, fabs(other[n] - reference[n]));
+    printf("%s,reference,%g,%.4g,%.3g,,,\n", c->name, c->duration / step, step, worst);
+    return worst;
 }
-
-enum { PHASES = 64 };
 
 /* One row of the table in the making. */
 struct row {
-    double worst, seconds[PHASES], nanoseconds[PHASES];
+    double worst, squares, seconds[PHASES], nanoseconds[PHASES];
 };
 
+static void add_errors(struct row *row, const double *numbers, const double *right, int count) {
+    for (int n = 0; n < count; n++) {
+        double error = fabs(numbers[n] - right[n]);
+        if (!(error <= row->worst)) row->worst = error; /* a NaN stays */
+        row->squares += error * error;
+    }
+}
+
 /* Integrators take turns, so that what else the machine does hits them alike. */
-static void fill(const struct event *event, int phases, const double reference[NUMBERS], struct row (*rows)[STEPS]) {
+static void fill(const struct precision_case *c, int phases, const double *reference, struct row (*rows)[STEPS]) {
+    static double numbers[PRECISION_NUMBERS];
     for (int k = 0; k < STEPS; k++)
         for (int phase = 0; phase < phases; phase++)
             for (int integrator = 0; integrator < INTEGRATORS; integrator++) {
-                double part = (phase + 0.5) / phases, step = event->duration / (per_contact[k] - 0.5 + part);
-                double numbers[NUMBERS];
+                double part = (phase + 0.5) / phases, step = c->duration / (per_contact[k] - 0.5 + part);
                 struct row *row = &rows[integrator][k];
                 long steps;
-                row->seconds[phase] = run_event(event, integrator, step, fmod(7.3 * part, 1.0), numbers, &steps);
+                row->seconds[phase] = run_case(c, integrator, step, fmod(7.3 * part, 1.0), numbers, &steps);
                 row->nanoseconds[phase] = row->seconds[phase] / (double)steps * 1e9;
-                for (int n = 0; n < event->numbers; n++) row->worst = fmax(row->worst, fabs(numbers[n] - reference[n]));
+                add_errors(row, numbers, reference, c->numbers);
             }
 }
 
-static void measure(const struct event *event, int phases) {
-    double reference[NUMBERS];
+static void print_row(const char *name, double duration, int integrator, int k, struct row *row, int count,
+                      double numbers) {
+    printf("%s,%s,%g,%.4g,%.3g,%.4g,%.0f,%.3g\n", name, integrators[integrator].name, per_contact[k],
+           duration / per_contact[k], row->worst, bench_median(row->seconds, count) * 1e6,
+           bench_median(row->nanoseconds, count), sqrt(row->squares / numbers));
+}
+
+static void measure(const struct precision_case *c, int phases) {
+    static double reference[PRECISION_NUMBERS];
     static struct row rows[INTEGRATORS][STEPS];
     memset(rows, 0, sizeof rows);
-    set_reference(event, reference);
-    fill(event, phases, reference, rows);
+    if (c->phases && c->phases < phases) phases = c->phases;
+    set_reference(c, reference);
+    fill(c, phases, reference, rows);
     for (int integrator = 0; integrator < INTEGRATORS; integrator++)
-        for (int k = 0; k < STEPS; k++) {
-            struct row *row = &rows[integrator][k];
-            printf("%s,%s,%g,%.4g,%.3g,%.4g,%.0f\n", event->name, integrators[integrator].name, per_contact[k],
-                   event->duration / per_contact[k], row->worst, bench_median(row->seconds, phases) * 1e6,
-                   bench_median(row->nanoseconds, phases));
-        }
+        for (int k = 0; k < STEPS; k++)
+            print_row(c->name, c->duration, integrator, k, &rows[integrator][k], phases, phases * c->numbers);
+    fflush(stdout);
+}
+
+/* ---- many at once ---- */
+
+/* The case's text with its ball, which comes last but for the laws, MANY times. */
+static char *multiply(const struct precision_case *c, double step) {
+    const char *ball = strstr(c->scene, "[[body]]\nname = \"first\""), *laws = strstr(c->scene, "[[contact]]");
+    size_t size = strlen(c->scene) + MANY * 320, used;
+    char *text = malloc(size);
+    if (!text) return NULL;
+    used = (size_t)snprintf(text, size, "%.*s", (int)(ball - c->scene), c->scene);
+    for (int k = 0; k < MANY; k++) {
+        double ahead = step * (k % MANY_PHASES + 0.5) / MANY_PHASES;
+        used += (size_t)snprintf(
+            text + used, size - used,
+            "[[body]]\nname = \"%d\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nmass = 0.03\n"
+            "position = [%.17g, %.17g, %.17g]\nvelocity = [%.17g, 0, %.17g]\n",
+            k, 0.05 * (k % 32), 0.05 * (k / 32), 0.01 - ahead * c->velocity[2], c->velocity[0], c->velocity[2]);
+    }
+    snprintf(text + used, size - used, "%s[[contact]]\nbetween = [\"ball\", \"ball\"]\nnone = true\n", laws);
+    return text;
+}
+
+static void run_many(const struct precision_case *c, int integrator, int part, int k, const double *reference,
+                     struct row *row) {
+    double per = per_contact[k] - 0.5 + (part + 0.5) / PARTS, step = c->duration / per;
+    long steps = (long)(1.3 * per + 3.0);
+    char change[64], *text = multiply(c, step);
+    const char *changes[] = {change, integrators[integrator].choice, integrators[integrator].substeps};
+    snprintf(change, sizeof change, "time.step=%.17g", step);
+    scree_scene *scene = bench_scene_text(text, changes, integrators[integrator].substeps ? 3 : 2);
+    double begin = processor_now();
+    bench_step(scene, steps);
+    row->nanoseconds[part] = (processor_now() - begin) / (double)steps / MANY * 1e9;
+    row->seconds[part] = row->nanoseconds[part] * 1e-9 * per;
+    for (int ball = 0; ball < MANY; ball++) {
+        scree_body_state state = scree_scene_body(scene, ball + 1);
+        double numbers[3] = {state.velocity[2], state.velocity[0], 0.01 * state.spin[1]};
+        add_errors(row, numbers, reference, c->numbers);
+    }
+    scree_scene_destroy(scene);
+    free(text);
+}
+
+static void measure_many(const struct precision_case *c) {
+    double reference[PRECISION_NUMBERS];
+    static struct row rows[INTEGRATORS][STEPS];
+    memset(rows, 0, sizeof rows);
+    set_reference(c, reference);
+    for (int k = 0; k < STEPS; k++)
+        for (int part = 0; part < PARTS; part++)
+            for (int integrator = 0; integrator < INTEGRATORS; integrator++)
+                run_many(c, integrator, part, k, reference, &rows[integrator][k]);
+    for (int integrator = 0; integrator < INTEGRATORS; integrator++)
+        for (int k = 0; k < STEPS; k++)
+            print_row(c->name, c->duration, integrator, k, &rows[integrator][k], PARTS, PARTS * MANY * c->numbers);
     fflush(stdout);
 }
 
 int bench_precision(int count, char **words) {
-    const char *phases = NULL, *only = NULL;
-    const struct cli_option options[] = {
-        {.name = "--phases", .value = &phases}, {.name = "--case", .value = &only}, {0}};
+    enum { MOST = 64 };
+    const char *phases = NULL, *only = NULL, *names[MOST + 1] = {0};
+    int many = 0, wants_script = 0;
+    const struct cli_option options[] = {{.name = "--phases", .value = &phases},
+                                         {.name = "--case", .value = &only},
+                                         {.name = "--many", .flag = &many},
+                                         {.name = "--script", .flag = &wants_script},
+                                         {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
+    if (wants_script) {
+        fputs(script, stdout);
+        return EXIT_GOOD;
+    }
     int phase_count = phases ? cli_whole_number(phases, "--phases", PHASES) : 16;
     if (!phase_count) return EXIT_USAGE;
-    const char *names[EVENTS + 1] = {0};
     int known = only == NULL;
-    for (int k = 0; k < EVENTS; k++) {
-        names[k] = events[k].name;
+    for (int k = 0; k < precision_case_count && k < MOST; k++) {
+        names[k] = precision_cases[k].name;
         known |= only && strcmp(only, names[k]) == 0;
     }
     if (!known) return cli_complain("there is no case \"%s\"%s", only, scree_hint(only, names).text);
     bench_describe_machine();
-    printf("case,integrator,steps_per_contact,step_s,largest_error,run_us,ns_per_step\n");
-    for (int k = 0; k < EVENTS; k++)
-        if (!only || strcmp(only, names[k]) == 0) measure(&events[k], phase_count);
+    printf("case,integrator,steps_per_contact,step_s,largest_error,run_us,ns_per_step,rms_error\n");
+    for (int k = 0; k < precision_case_count; k++) {
+        const struct precision_case *c = &precision_cases[k];
+        if (only && strcmp(only, c->name) != 0) continue;
+        if (!many)
+            measure(c, phase_count);
+        else if (c->many)
+            measure_many(c);
+    }
     return EXIT_GOOD;
 }
