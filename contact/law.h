@@ -119,6 +119,11 @@ struct scree_tangential {
     double sliding;
 };
 
+/* What a slider bears: the largest force that it holds as it is, and with which it slides, N. */
+struct scree_hold {
+    double holds, slides;
+};
+
 struct scree_friction_law {
     struct scree_law_text text;
     int memory; /* keeps stretch and state */
@@ -129,6 +134,11 @@ struct scree_friction_law {
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);
     struct scree_tangential (*force)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                      struct scree_sliding at);
+    /* What a law with memory makes of it at an instant, for those who integrate it in time; exactly one of the two: that of a
+     * slider behind a spring, or the rate (m/s) at which the stretch of a bristle changes. */
+    struct scree_hold (*hold)(const struct scree_law_constants *law, struct scree_sliding at);
+    struct vec (*rate)(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                       struct scree_sliding at);
     /* Energy in the stretch, J. */
     double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_sliding at);
     /* Steepest rise of the coefficient with speed, s/m, and stiffness (N/m) and damping (N s/m) of a tangential

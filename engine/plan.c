@@ -1,5 +1,6 @@
 /* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
  * chosen from the stiffest contact that can happen. */
+#include "contact/grip.h"
 #include "engine/scene.h"
 
 #include <math.h>
@@ -314,7 +315,10 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
     find_limits(scene, species, choice);
     choice->automatic = time->step == 0.0;
     choice->step = choice->automatic ? automatic_step(time, choice) : time->step;
+    int adaptive = time->integrator == SCREE_ADAPTIVE;
+    if (adaptive && choice->automatic) choice->step = time->divide > 0.0 ? time->divide : 1e-3;
     scene->step = choice->step;
+    if (adaptive) return SCREE_OK; /* its own steps are as small as they must be */
     if (choice->step <= choice->limit || time->force) return SCREE_OK;
     return scree_report(
         &scene->trouble, SCREE_BAD_INPUT, "step",
@@ -480,6 +484,18 @@ static scree_status keep_impulses(struct scree_scene *scene) {
     return status;
 }
 
+static scree_status prepare_adaptive(struct scree_scene *scene) {
+    for (int k = 0; k < scene->rules; k++) {
+        const char *law = scree_grip_refuses(&scene->rule[k]);
+        if (law)
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator",
+                                "the integrator \"adaptive\" can't follow the law \"%s\": its force jumps where the "
+                                "motion stops, so that no step ends there; give it a threshold, or take \"verlet\"",
+                                law);
+    }
+    return scree_adaptive_create(scene);
+}
+
 static scree_status bake(struct scree_scene *scene) {
     scree_status status = make_bodies(scene);
     if (!status)
@@ -493,6 +509,7 @@ static scree_status bake(struct scree_scene *scene) {
                                 "take \"verlet\"",
                                 scree_rolling_laws[scene->rule[k].rolling]->text.name);
     if (!status && impulses) status = keep_impulses(scene);
+    if (!status && scene->time.integrator == SCREE_ADAPTIVE) status = prepare_adaptive(scene);
     if (status) return status;
     count_bodies(scene);
     status = plan_pairs_and_step(scene);

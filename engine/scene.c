@@ -20,6 +20,7 @@ void scree_scene_destroy(scree_scene *scene) {
     free(scene->rule);
     free(scene->def);
     scree_names_free(&scene->names);
+    scree_adaptive_destroy(scene);
     scree_bodies_free_shadow(&scene->shadow);
     scree_bodies_destroy(&scene->bodies);
     scree_contacts_destroy(&scene->contacts);
@@ -306,17 +307,26 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
                                 "%s must be a positive number, got %g", numbers[k].field, numbers[k].value);
-    if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE)
+    if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE && def->integrator != SCREE_ADAPTIVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
                             (int)def->integrator);
     if (def->substeps < 0 || def->substeps > 64 || (def->substeps && def->integrator != SCREE_PAIR_IMPULSE))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "substeps",
                             "substeps must be 1 to 64 and belong to the integrator pair-impulse, got %d",
                             def->substeps);
+    int adaptive = def->integrator == SCREE_ADAPTIVE;
+    if (def->tolerance != 0.0 && !(adaptive && def->tolerance >= 1e-13 && def->tolerance <= 1e-3))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "tolerance",
+                            "tolerance must be 1e-13 to 1e-3 and belongs to the integrator adaptive, got %g",
+                            def->tolerance);
+    if (def->no_flight && !adaptive)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "flight",
+                            "flight belongs to the integrator adaptive");
     if (def->threads < 0 || def->threads > 1024)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
                             def->threads);
     scene->time = *def;
+    if (adaptive && def->tolerance == 0.0) scene->time.tolerance = 1e-10;
     return SCREE_OK;
 }
 
