@@ -38,7 +38,7 @@ void scree_adaptive_destroy(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     if (!a) return;
     scree_dop853_free(&a->work);
-    free(a->y);
+    free(a->unknowns);
     free(a->at);
     free(a->place);
     free(a->due);
@@ -92,8 +92,8 @@ static scree_status resize(struct scree_scene *scene, size_t size, size_t kept) 
         return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for %zu unknowns", size);
     }
     if (kept) memcpy(y, a->y, kept * sizeof *y);
-    free(a->y);
-    a->y = y;
+    free(a->unknowns);
+    a->unknowns = a->y = y;
     a->arrived = y + size;
     a->next = y + 2 * size;
     return SCREE_OK;

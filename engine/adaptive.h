@@ -30,6 +30,7 @@ struct scree_measure {
 
 struct scree_adaptive {
     struct scree_dop853 work;
+    double *unknowns;   /* owns the three arrays below */
     double *y;          /* unknowns at the start of a step */
     double *arrived;    /* unknowns at its end */
     double *next;       /* rates there */

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <stdlib.h>
 
 /* Share of the list's skin that a body may move in one step; the list is made anew before it has moved as much. */
 static const double longest_way = 0.25;
@@ -206,7 +207,7 @@ static void drop_clock(struct scree_scene *scene, struct course *c) {
 }
 
 /* The step of length h has been tried and is right; take it, up to the first event in it. */
-static scree_status take(struct scree_scene *scene, struct course *c, double h, double error) {
+static scree_status take(struct scree_scene *scene, struct course *c, double h, double error, int tries) {
     struct scree_adaptive *a = scene->adaptive;
     double tried = a->arrived[Y_TIME] - a->y[Y_TIME], whole = h;
     int event = scree_adaptive_event(scene, &h);
@@ -215,9 +216,9 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
     int landed = a->clock >= 0 && whole == h && a->y[Y_CLOCK] + h == a->goal, parted = landed && a->parting && !event;
     if (a->clock < 0 && !event && a->y[Y_TIME] + h >= c->segment * (1.0 - 1e-15)) a->arrived[Y_TIME] = c->segment;
     if (a->clock >= 0) a->tick = whole * more;
-    /* A step that was cut because time was up says nothing against longer ones. */
+    /* A step that was short because time was up says nothing against longer ones. */
     double next = tried * more;
-    scene->inner_step = whole < scene->inner_step && a->clock < 0 ? fmax(next, scene->inner_step) : next;
+    scene->inner_step = tries == 0 && a->clock < 0 ? fmax(next, fmin(scene->inner_step, 1e3 * next)) : next;
     lengthen_paths(scene, time, a->y, a->arrived, 1);
     tidy_attitudes(scene);
     if (parted) {
@@ -235,9 +236,7 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
     c->looked = 0;
     if (landed || (event && a->clock >= 0)) drop_clock(scene, c);
     if (!c->fresh) {
-        double *rates = a->work.k[0];
-        a->work.k[0] = a->next;
-        a->next = rates;
+        memcpy(a->work.k[0], a->next, a->work.size * sizeof *a->next);
         double(*value)[SCREE_SWITCHES] = a->before;
         a->before = a->value;
         a->value = value;
@@ -250,7 +249,7 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
     struct scree_adaptive *a = scene->adaptive;
     if (scree_adaptive_clock(scene, c->segment - a->y[Y_TIME])) {
         scree_adaptive_rates(scene, a->y, a->work.k[0]);
-        if (a->clock >= 0) a->tick = (a->goal - a->y[Y_CLOCK]) / 3.0;
+        if (a->clock >= 0) a->tick = (a->goal - a->y[Y_CLOCK]) / 30.0;
     }
     scree_adaptive_measure(scene);
     for (int k = 0; k < a->grips; k++) a->closing[k] = a->view[k].closing;
@@ -278,7 +277,7 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
                 continue;
             }
             scree_adaptive_switches(scene, a->arrived, a->next, a->value);
-            return take(scene, c, h, error);
+            return take(scene, c, h, error, tries);
         }
         scene->effort.rejected++;
         double less = far ? 0.5 : error < 1e8 ? fmax(0.1, 0.9 * scree_pow(error, -0.125)) : 0.1;
@@ -371,6 +370,7 @@ static scree_status integrate(struct scree_scene *scene) {
             begin_segment(scene, &c);
         }
         if (c.fresh) scree_adaptive_look(scene);
+        if (getenv("ADBG")) fprintf(stderr, "t %.17g fresh %d clock %d Y %g step %g ev %ld ov %g cl %g st %d F %g\n", a->y[Y_TIME], c.fresh, a->clock, a->y[Y_CLOCK], scene->inner_step, scene->effort.events, a->grips?a->view[0].overlap:0, a->grips?a->view[0].closing:0, a->grips?(int)a->grip[0].state:-1,a->grips?a->view[0].whole:-1);
         c.fresh = 0;
         int flown = fly(scene, &c);
         if (flown < 0) status = scene->trouble.status;

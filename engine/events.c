@@ -207,9 +207,9 @@ static double root_of(double x, int root) { return root == 2 ? sqrt(x) : root ==
 
 /* Where forces set in or end like a root of the overlap, that root is the variable in which all is smooth: near the begin up to
  * about 0.45 of the contact's scale (p = 2; 0.7 for p = 4), near the end, if the overlap decides it, all the way down. */
-static int suits(const struct scree_grip *grip, const struct scree_grip_view *view, int *parting) {
+static int suits(const struct scree_grip *grip, const struct scree_grip_view *view, int runs, int *parting) {
     if (grip->state != SCREE_GRIP_HELD) return 0;
-    double share = grip->root == 4 ? 0.24 : 0.2;
+    double share = (grip->root == 4 ? 0.24 : 0.2) * (runs ? 1.0 : 0.5); /* to begin with it must pay */
     *parting = view->closing < 0.0;
     if (!*parting) return grip->root > 1 && view->closing > 0.3 * grip->speed && view->overlap < share * grip->depth;
     int lets_go = grip->normal->cut && grip->normal->root > 0; /* before the overlap ends */
@@ -225,7 +225,7 @@ int scree_adaptive_clock(struct scree_scene *scene, double left) {
     for (int k = 0; k < a->grips && !scene->adaptive->banned; k++) {
         const struct scree_grip *grip = &a->grip[k];
         int parts;
-        if (!suits(grip, &a->view[k], &parts)) continue;
+        if (!suits(grip, &a->view[k], k == before, &parts)) continue;
         double share = (a->view[k].overlap + (parts ? grip->reach : 0.0)) / grip->depth;
         if (share >= least) continue;
         least = share;
