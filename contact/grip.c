@@ -28,6 +28,14 @@ const char *scree_grip_refuses(const struct scree_rule *rule) {
     return largest > 0.0 && jump > 1e-12 * largest ? rolling->text.name : NULL;
 }
 
+double scree_grip_stiffness(const struct scree_grip *grip, int way, double overlap) {
+    if (way != SCREE_GRIP_FRICTION)
+        return grip->rolling && grip->rolling->memory ? grip->rolling->stiffness(&grip->rule->rolling_constants) : 0.0;
+    if (!grip->friction || !grip->friction->memory) return 0.0;
+    if (grip->friction->hold && !grip->friction->slider) return 1.0;
+    return grip->friction->stiffness(&grip->rule->friction_constants, grip->of_friction, overlap);
+}
+
 /* ---- setting up ---- */
 
 static struct scree_normal_force law_of(const struct scree_grip *grip, double overlap, double closing, double first) {

@@ -66,6 +66,9 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
 /* Whether a way is a slider behind a spring. */
 int scree_grip_is_slider(const struct scree_grip *grip, int way);
 
+/* Force per unit of a way's memory at an overlap, N/m; 1 where the force itself is kept, 0 where nothing is. */
+double scree_grip_stiffness(const struct scree_grip *grip, int way, double overlap);
+
 /* Where the ball is on its partner, as the records have it: fills normal, arms, overlap, closing and slip. `overlap` replaces the
  * overlap unless it is NAN. */
 void scree_grip_meet(const struct scree_grip *grip, const struct scree_bodies *bodies, double overlap,

@@ -401,10 +401,9 @@ static double grip_misfit(const struct scree_scene *scene, int k, const double *
     double worst = 0.0, tolerance = scene->time.tolerance;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
         double stretch = length3(a->y + a->place[k] + 3 * way), rate = vec_norm(view->rate[way]);
-        int in_force = way == SCREE_GRIP_FRICTION && a->grip[k].friction && a->grip[k].friction->hold &&
-                       !a->grip[k].friction->slider;
-        double unit = in_force ? 1.0 : view->stiffness[way];
-        double least = unit > 0.0 ? 1e-2 * fabs(view->force) / unit : 0.0;
+        double unit = scree_grip_stiffness(&a->grip[k], way, 0.5 * a->grip[k].depth);
+        /* Memory begins with nothing, like a power of time: relative errors would stay as they are however short the step. */
+        double least = unit > 0.0 ? 1e-2 * a->grip[k].load / unit : 0.0;
         worst = fmax(worst, length3(error + 3 * way) / (tolerance * fmax(fmax(stretch, step * rate), least) + 1e-290));
     }
     return worst;
