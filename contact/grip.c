@@ -68,6 +68,7 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
     int block = index / SCREE_LANES, lane = index % SCREE_LANES;
     double(*columns)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
     memset(grip, 0, sizeof *grip);
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->since[way] = -HUGE_VAL;
     grip->batch = batch_index;
     grip->index = index;
     grip->contact = batch->contact[index];

@@ -41,6 +41,8 @@ struct scree_grip {
     int advancing; /* what the normal law remembers is being renewed */
     int fresh;     /* whether it is hasn't been looked at since the contact began */
     int slips[SCREE_GRIP_WAYS];
+    int wary[SCREE_GRIP_WAYS];     /* steps for which a way stays as it is: it has just changed twice at once */
+    double since[SCREE_GRIP_WAYS]; /* time of its last change, s */
     double first, second;
     /* Scales: overlap, speed, force; the longest stretch with which a way has slipped. */
     double depth, speed, load, longest[SCREE_GRIP_WAYS];

@@ -69,6 +69,7 @@ static void begin(struct scree_grip *grip, const struct scree_grip_view *view, d
     grip->second = first.second;
     grip->pulling = !grip->normal->cut && first.elastic + first.damping * view->closing < 0.0;
     begin_sideways(grip, view, memory);
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->since[way] = -HUGE_VAL;
     grip->fresh = 1;
 }
 
@@ -201,7 +202,7 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
     }
     if (grip->pulling) return;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++)
-        if (scree_grip_is_slider(grip, way))
+        if (scree_grip_is_slider(grip, way) && !grip->wary[way])
             values[SCREE_SWITCH_SLIDE + way] = slide_switch(grip, way, view, sooner, later, apart);
 }
 
@@ -255,6 +256,7 @@ void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_v
 }
 
 int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->wary[way] -= grip->wary[way] > 0;
     if (grip->state != SCREE_GRIP_HELD) return 0;
     if (!grip->directional) grip->approaching = view->closing >= 0.0;
     if (grip->normal->memory) {

@@ -159,6 +159,12 @@ static double locate(struct scree_scene *scene, struct event event, double h) {
     return x1;
 }
 
+/* Near the border of sticking and slipping rounding decides between them, again and again: one step then goes on with what it has. */
+static void note_slide(struct scree_grip *grip, int way, double time) {
+    if (fabs(time - grip->since[way]) < 1e-4 * grip->depth / grip->speed) grip->wary[way] = 2;
+    grip->since[way] = time;
+}
+
 /* Make the changes whose switch functions are zero at the end of the step. */
 static void change(struct scree_scene *scene, struct event event, const int *due, double *y) {
     struct scree_adaptive *a = scene->adaptive;
@@ -168,6 +174,7 @@ static void change(struct scree_scene *scene, struct event event, const int *due
             int also = due[k] >> w & 1 && a->value[k][w] <= 4.0 * nothing(scene, &a->grip[k], w);
             if (!same && !also) continue;
             scree_grip_switch(&a->grip[k], (enum scree_switch)w, &a->view[k], y + a->place[k]);
+            if (w >= SCREE_SWITCH_SLIDE) note_slide(&a->grip[k], w - SCREE_SWITCH_SLIDE, y[Y_TIME]);
             scene->effort.events++;
             break; /* the others belonged to the phase that is over */
         }
