@@ -114,8 +114,8 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
                        double *memory);
 
 /* Whether what is remembered grows now: after a switch, and at the start. */
-void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *view,
-                              const struct scree_grip_view *sooner, const struct scree_grip_view *later);
+void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *sooner,
+                              const struct scree_grip_view *later);
 
 /* At the end of a step: remember; bristles give up what the load doesn't bear any more. 1 if memory was changed. */
 int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory);

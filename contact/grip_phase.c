@@ -239,6 +239,7 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
         memset(grip->slips, 0, sizeof grip->slips);
         break;
     case SCREE_SWITCH_PEAK:
+        if (grip->advancing) grip->first = fmax(grip->first, scree_grip_peak(grip, view));
         grip->advancing = !grip->advancing;
         break;
     default:
@@ -247,12 +248,11 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
     }
 }
 
-void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *view,
-                              const struct scree_grip_view *sooner, const struct scree_grip_view *later) {
+void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *sooner,
+                              const struct scree_grip_view *later) {
     if (grip->state != SCREE_GRIP_HELD || !remembers_peak(grip)) return;
-    double peak = scree_grip_peak(grip, view);
-    int grows = scree_grip_peak(grip, later) > scree_grip_peak(grip, sooner);
-    grip->advancing = grows && peak >= grip->first * (1.0 - 1e-12);
+    double next = scree_grip_peak(grip, later);
+    grip->advancing = next > scree_grip_peak(grip, sooner) && next >= grip->first * (1.0 - 1e-12);
 }
 
 int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {

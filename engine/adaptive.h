@@ -18,7 +18,7 @@
 #include "engine/scene.h"
 
 /* The first unknowns; then come the bodies', then the contacts'. */
-enum { Y_TIME, Y_CLOCK, Y_WORK, Y_RUBBED, Y_DRIVEN, Y_BODIES };
+enum { Y_TIME, Y_CLOCK, Y_WORK, Y_RUBBED, Y_DRIVEN, Y_BODIES }; /* the three books measured as one */
 
 /* How the error of a body is measured. */
 struct scree_measure {

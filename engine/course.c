@@ -66,7 +66,7 @@ static void set_advancing(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     for (int k = 0; k < a->grips; k++) {
         if (!a->grip[k].fresh) continue;
-        scree_grip_set_advancing(&a->grip[k], &a->view[k], &a->sooner[k], &a->later[k]);
+        scree_grip_set_advancing(&a->grip[k], &a->sooner[k], &a->later[k]);
         a->grip[k].fresh = 0;
     }
 }
@@ -249,7 +249,8 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
     struct scree_adaptive *a = scene->adaptive;
     if (scree_adaptive_clock(scene, c->segment - a->y[Y_TIME])) {
         scree_adaptive_rates(scene, a->y, a->work.k[0]);
-        if (a->clock >= 0) a->tick = (a->goal - a->y[Y_CLOCK]) / 30.0;
+        /* Near the begin powers of the clock cancel in the estimates of the error: they can't be trusted with a long step. */
+        if (a->clock >= 0) a->tick = (a->goal - a->y[Y_CLOCK]) / (a->parting ? 3.0 : 100.0);
     }
     scree_adaptive_measure(scene);
     for (int k = 0; k < a->grips; k++) a->closing[k] = a->view[k].closing;

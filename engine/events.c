@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <stdlib.h>
 
 enum { TRIES = 60 };
 
@@ -174,6 +175,7 @@ static void change(struct scree_scene *scene, struct event event, const int *due
             int also = due[k] >> w & 1 && a->value[k][w] <= 4.0 * nothing(scene, &a->grip[k], w);
             if (!same && !also) continue;
             scree_grip_switch(&a->grip[k], (enum scree_switch)w, &a->view[k], y + a->place[k]);
+            if (getenv("ADBE")) fprintf(stderr, "event grip %d which %d at %.12g value %g before %g state %d\n", k, w, y[Y_TIME], a->value[k][w], a->before[k][w], (int)a->grip[k].state);
             if (w >= SCREE_SWITCH_SLIDE) note_slide(&a->grip[k], w - SCREE_SWITCH_SLIDE, y[Y_TIME]);
             scene->effort.events++;
             break; /* the others belonged to the phase that is over */
@@ -222,7 +224,7 @@ static int suits(const struct scree_grip *grip, const struct scree_grip_view *vi
     int lets_go = grip->normal->cut && grip->normal->root > 0; /* before the overlap ends */
     double left = view->overlap + grip->reach;
     double near = grip->reach > 0.0 ? 0.2 * grip->reach : 0.2 * grip->depth * -view->closing / grip->speed;
-    return grip->end_root > 1 && !lets_go && left < near && left > 0.0;
+    return !lets_go && left < near && left > 0.0;
 }
 
 int scree_adaptive_clock(struct scree_scene *scene, double left) {

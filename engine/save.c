@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[24] = "scree state 3\n";
+static const char magic[24] = "scree state 4\n";
 static const uint64_t byte_order_mark = 0x0102030405060708u;
 
 /* One remembered contact. */
@@ -25,6 +25,8 @@ struct scalars {
     double driven, first_energy, lost_normal, work_tangential, deepest, steepest;
     int deepest_ball, deepest_host, steepest_ball, steepest_host;
     int energy; /* the books were kept */
+    double inner_step;
+    scree_effort effort;
 };
 
 struct stream {
@@ -149,7 +151,11 @@ static uint64_t print_gravity(const scree_scene *scene) {
 }
 
 static uint64_t print_integrator(const scree_scene *scene) {
-    return (uint64_t)scene->time.integrator + ((uint64_t)scene->time.substeps << 8);
+    uint64_t hash = (uint64_t)scene->time.integrator + ((uint64_t)scene->time.substeps << 8);
+    if (scene->time.integrator != SCREE_ADAPTIVE) return hash;
+    HASH_ON(hash, scene->time.tolerance);
+    HASH_ON(hash, scene->time.no_flight);
+    return hash;
 }
 
 static struct prints prints_of(const scree_scene *scene) {
@@ -245,6 +251,8 @@ static struct scalars scalars_of(const scree_scene *scene) {
     struct scalars scalars;
     memset(&scalars, 0, sizeof scalars);
     scalars.steps = scene->steps;
+    scalars.inner_step = scene->inner_step;
+    scalars.effort = scene->effort;
     scalars.step = scene->step;
     scalars.energy = scene->time.energy;
     scalars.driven = scene->driven;
@@ -263,6 +271,8 @@ static struct scalars scalars_of(const scree_scene *scene) {
 static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
     struct scree_contacts *contacts = &scene->contacts;
     scene->steps = scalars->steps;
+    scene->inner_step = scalars->inner_step;
+    scene->effort = scalars->effort;
     scene->step = scene->plan.choice.step = scalars->step;
     scene->driven = scalars->driven;
     scene->first_energy = scalars->first_energy;
