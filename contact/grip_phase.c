@@ -259,6 +259,9 @@ int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *vie
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->wary[way] -= grip->wary[way] > 0;
     if (grip->state != SCREE_GRIP_HELD) return 0;
     if (!grip->directional) grip->approaching = view->closing >= 0.0;
+    /* Others have pushed it together since it began. */
+    if (view->overlap > 1.5 * grip->depth || fabs(view->closing) > 1.5 * grip->speed)
+        set_scales(grip, view->overlap, view->closing);
     if (grip->normal->memory) {
         struct scree_normal_force f = law_at(grip, view->overlap, view->closing);
         if (grip->advancing && f.first > grip->first) grip->first = f.first;

@@ -264,6 +264,7 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
             return SCREE_OK;
         }
         double error = scree_adaptive_error(scene, time);
+        if (getenv("ADBT")) fprintf(stderr, "  try h %g time %g error %g worst %d clock %d\n", h, time, error, a->worst, a->clock);
         int far = !(lengthen_paths(scene, time, a->y, a->work.end, 0) <= 2.0 * longest_way * scene->contacts.skin);
         if (error <= 1.0 && !far) {
             memcpy(a->arrived, a->work.end, a->work.size * sizeof *a->arrived);
