@@ -230,10 +230,13 @@ static int suits(const struct scree_grip *grip, const struct scree_grip_view *vi
 int scree_adaptive_clock(struct scree_scene *scene, double left) {
     struct scree_adaptive *a = scene->adaptive;
     int best = -1, parting = 0, before = a->clock;
-    double least = HUGE_VAL;
-    for (int k = 0; k < a->grips && !scene->adaptive->banned; k++) {
+    double least = HUGE_VAL, fastest = 0.0;
+    for (int k = 0; k < a->grips; k++)
+        if (a->grip[k].state == SCREE_GRIP_HELD) fastest = fmax(fastest, a->grip[k].speed);
+    for (int k = 0; k < a->grips && !a->banned; k++) {
         const struct scree_grip *grip = &a->grip[k];
         int parts;
+        if (grip->speed < 1e-2 * fastest) continue; /* others push it: its own speed is no measure of time */
         if (!suits(grip, &a->view[k], k == before, &parts)) continue;
         double share = (a->view[k].overlap + (parts ? grip->reach : 0.0)) / grip->depth;
         if (share >= least) continue;
