@@ -22,8 +22,7 @@ const char *scree_grip_refuses(const struct scree_rule *rule) {
     /* A torque that jumps where the rolling stops: no step ends there. */
     struct scree_sliding slow = {.normal = 1.0, .velocity = {1e-30, 0.0, 0.0}};
     const struct scree_law_constants *constants = &rule->rolling_constants;
-    double largest =
-        fmax(constants->c[SCREE_ROLLING_COEFFICIENT], constants->c[SCREE_TWISTING_COEFFICIENT]);
+    double largest = fmax(constants->c[SCREE_ROLLING_COEFFICIENT], constants->c[SCREE_TWISTING_COEFFICIENT]);
     double jump = vec_norm(rolling->resist(constants, largest, slow).force);
     return largest > 0.0 && jump > 1e-12 * largest ? rolling->text.name : NULL;
 }
@@ -112,10 +111,8 @@ static struct vec normal_rate(const struct scree_grip *grip, const struct scree_
     /* A box or a plate: faces, edges and corners; seen from it, the ball's centre moves a little. */
     struct vec past = vec_sub(vec_sub(centre_velocity, vec_from(host->v)), vec_cross(spin, vec_sub(centre, origin)));
     double little = 1e-5 * ball->bound / (vec_norm(past) + SCREE_NO_SPEED);
-    struct scree_meeting later =
-        scree_meet(bodies, &grip->contact, grip->geometry, vec_axpy(centre, little, past));
-    struct scree_meeting sooner =
-        scree_meet(bodies, &grip->contact, grip->geometry, vec_axpy(centre, -little, past));
+    struct scree_meeting later = scree_meet(bodies, &grip->contact, grip->geometry, vec_axpy(centre, little, past));
+    struct scree_meeting sooner = scree_meet(bodies, &grip->contact, grip->geometry, vec_axpy(centre, -little, past));
     struct vec turn = vec_cross(spin, n);
     if (vec_dot(later.normal, n) < 0.9 || vec_dot(sooner.normal, n) < 0.9) return turn;
     return vec_axpy(turn, 0.5 / little, vec_sub(later.normal, sooner.normal));
@@ -165,7 +162,7 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
         d.rate = vec_scale(-unit / s->c, vec_add(d.force, d.elastic));
     } else {
         double size = vec_norm(memory), speed = vec_norm(v);
-        struct vec towards = size > 0.0 ? vec_scale(1.0 / size, memory)
+        struct vec towards = size > 0.0    ? vec_scale(1.0 / size, memory)
                              : speed > 0.0 ? vec_scale(1.0 / speed, v)
                                            : vec(0.0, 0.0, 0.0);
         /* It turns towards the slip over the way that the spring is stretched by; under next to no load at once. */
@@ -249,8 +246,8 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     if (grip->state != SCREE_GRIP_HELD || (!grip->friction && !grip->rolling)) return;
     double normal = grip->pulling ? 0.0 : fmax(view->force, 0.0);
     const struct scree_record *ball = &bodies->record[grip->contact.ball], *host = &bodies->record[grip->contact.host];
-    struct vec centre_velocity = vec_add(
-        vec_from(ball->v), vec_cross(vec_from(ball->w), vec_from(bodies->corner[grip->contact.corner])));
+    struct vec centre_velocity =
+        vec_add(vec_from(ball->v), vec_cross(vec_from(ball->w), vec_from(bodies->corner[grip->contact.corner])));
     struct vec centre = vec_add(vec_from(ball->x), vec_from(bodies->corner[grip->contact.corner])), turning = zero;
     if (scree_grip_is_slider(grip, SCREE_GRIP_FRICTION) || scree_grip_is_slider(grip, SCREE_GRIP_ROLLING) ||
         (grip->friction && grip->friction->rate))
@@ -258,12 +255,10 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     if (grip->friction) {
         struct vec stretch = vec_from(memory + 3 * SCREE_GRIP_FRICTION);
         view->velocity[SCREE_GRIP_FRICTION] = view->slip;
-        struct vec force =
-            resist(grip, SCREE_GRIP_FRICTION, normal, scree_into_tangent_plane(stretch, n), view);
+        struct vec force = resist(grip, SCREE_GRIP_FRICTION, normal, scree_into_tangent_plane(stretch, n), view);
         view->push = vec_add(view->push, force);
         view->rubbing -= vec_dot(force, view->slip);
-        view->rate[SCREE_GRIP_FRICTION] =
-            vec_axpy(view->rate[SCREE_GRIP_FRICTION], -vec_dot(stretch, turning), n);
+        view->rate[SCREE_GRIP_FRICTION] = vec_axpy(view->rate[SCREE_GRIP_FRICTION], -vec_dot(stretch, turning), n);
     }
     if (!grip->rolling) return;
     struct vec velocity = vec_scale(grip->lever, vec_sub(vec_from(ball->w), vec_from(host->w)));
@@ -272,8 +267,7 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     view->velocity[SCREE_GRIP_ROLLING] = vec_axpy(velocity, -along, n);
     view->velocity[SCREE_GRIP_TWISTING] = vec(along, 0.0, 0.0);
     struct vec rolling = resist(grip, SCREE_GRIP_ROLLING, normal, scree_into_tangent_plane(stretch, n), view);
-    struct vec twisting =
-        resist(grip, SCREE_GRIP_TWISTING, normal, vec_from(memory + 3 * SCREE_GRIP_TWISTING), view);
+    struct vec twisting = resist(grip, SCREE_GRIP_TWISTING, normal, vec_from(memory + 3 * SCREE_GRIP_TWISTING), view);
     view->rate[SCREE_GRIP_ROLLING] = vec_axpy(view->rate[SCREE_GRIP_ROLLING], -vec_dot(stretch, turning), n);
     view->torque = vec_scale(grip->lever, vec_axpy(rolling, twisting.x, n));
     view->rubbing -= vec_dot(rolling, view->velocity[SCREE_GRIP_ROLLING]) + twisting.x * along;

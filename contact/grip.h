@@ -51,11 +51,11 @@ struct scree_grip {
 struct scree_grip_view {
     struct vec normal, arm, host_arm, slip;
     double overlap, closing;
-    double force;               /* normal as it acts, N */
-    double whole, damping;      /* the law's without its cut, N; its dashpot, N s/m */
-    struct vec push;            /* on the ball, N */
-    struct vec torque;          /* on the ball, of the rolling law, N m */
-    double rubbing;             /* power taken sideways, W */
+    double force;                                                /* normal as it acts, N */
+    double whole, damping;                                       /* the law's without its cut, N; its dashpot, N s/m */
+    struct vec push;                                             /* on the ball, N */
+    struct vec torque;                                           /* on the ball, of the rolling law, N m */
+    double rubbing;                                              /* power taken sideways, W */
     struct vec velocity[SCREE_GRIP_WAYS], rate[SCREE_GRIP_WAYS]; /* of each way; of its memory */
     struct vec elastic[SCREE_GRIP_WAYS];                         /* force of its spring, N */
     double stiffness[SCREE_GRIP_WAYS], damping_of[SCREE_GRIP_WAYS], holds[SCREE_GRIP_WAYS], slides[SCREE_GRIP_WAYS];

@@ -168,9 +168,8 @@ static double slide_switch(const struct scree_grip *grip, int way, const struct 
     double size = vec_norm(trial);
     if (!grip->slips[way]) return (view->holds[way] - size) / grip->load;
     if (view->damping_of[way] > 0.0) return (size - view->slides[way]) / grip->load;
-    return sooner && later
-               ? slip_rate(grip, way, view, sooner, later, apart) * grip->depth / (grip->speed * grip->load)
-               : 1.0;
+    return sooner && later ? slip_rate(grip, way, view, sooner, later, apart) * grip->depth / (grip->speed * grip->load)
+                           : 1.0;
 }
 
 void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_view *view,
@@ -276,8 +275,7 @@ int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *vie
     if (!grip->friction || !grip->friction->rate) return 0;
     struct scree_sliding at = {.normal = fmax(view->force, 0.0), .overlap = view->overlap, .velocity = view->slip};
     at.stretch = scree_into_tangent_plane(vec_from(memory), view->normal);
-    struct vec left =
-        grip->friction->force(&grip->rule->friction_constants, grip->of_friction, at).stretch;
+    struct vec left = grip->friction->force(&grip->rule->friction_constants, grip->of_friction, at).stretch;
     /* Rounding must not do it. */
     if (vec_norm(left) < 0.999999 * vec_norm(at.stretch)) {
         vec_store(left, memory);

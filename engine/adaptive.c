@@ -15,7 +15,7 @@ static int body_size(const struct scree_bodies *bodies, int k) {
 
 static int memory_size(const struct scree_grip *grip) {
     return (grip->friction && grip->friction->memory) || (grip->rolling && grip->rolling->memory) ? SCREE_GRIP_MEMORY
-                                                                                                   : 0;
+                                                                                                  : 0;
 }
 
 /* ---- making and freeing ---- */
@@ -130,8 +130,7 @@ void scree_adaptive_place(struct scree_scene *scene, const double *y) {
         memcpy(state->x, own + OF_X, sizeof state->x);
         memcpy(state->v, own + OF_V, sizeof state->v);
         memcpy(state->l, own + OF_L, sizeof state->l);
-        if (bodies->slot[k] >= 0)
-            memcpy(bodies->attitude[bodies->slot[k]].q, own + OF_Q, sizeof bodies->attitude[0].q);
+        if (bodies->slot[k] >= 0) memcpy(bodies->attitude[bodies->slot[k]].q, own + OF_Q, sizeof bodies->attitude[0].q);
     }
     scree_bodies_start(bodies, time_at(a, y));
 }
@@ -350,8 +349,10 @@ void scree_adaptive_measure(struct scree_scene *scene) {
         const struct scree_grip_view *view = &a->view[k];
         if (grip->state != SCREE_GRIP_HELD) continue;
         double push = vec_norm(view->push), speed = sqrt(view->closing * view->closing + vec_norm2(view->slip));
-        double slope = fabs(view->whole - view->damping * view->closing) / fmax(fabs(view->overlap), 1e-3 * grip->depth);
-        const struct scree_record *ball = &bodies->record[grip->contact.ball], *host = &bodies->record[grip->contact.host];
+        double slope =
+            fabs(view->whole - view->damping * view->closing) / fmax(fabs(view->overlap), 1e-3 * grip->depth);
+        const struct scree_record *ball = &bodies->record[grip->contact.ball],
+                                  *host = &bodies->record[grip->contact.host];
         double size = vec_norm(vec_from(ball->x)) + ball->radius;
         if (grip->geometry != SCREE_BALL_PLANE) size += vec_norm(vec_from(host->x)) + host->radius;
         for (int side = 0; side < 2; side++) {

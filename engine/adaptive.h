@@ -30,29 +30,29 @@ struct scree_measure {
 
 struct scree_adaptive {
     struct scree_dop853 work;
-    double *unknowns;   /* owns the three arrays below */
-    double *y;          /* unknowns at the start of a step */
-    double *arrived;    /* unknowns at its end */
-    double *next;       /* rates there */
-    int *at;            /* first unknown of each body, -1 where nothing can change */
-    int *place;         /* of each contact's memory in y */
-    double *closing;    /* of each contact at the start of the step */
-    int *due;           /* of each contact, switches whose time has come */
-    int *held;          /* for each body, whether it touches something */
+    double *unknowns; /* owns the three arrays below */
+    double *y;        /* unknowns at the start of a step */
+    double *arrived;  /* unknowns at its end */
+    double *next;     /* rates there */
+    int *at;          /* first unknown of each body, -1 where nothing can change */
+    int *place;       /* of each contact's memory in y */
+    double *closing;  /* of each contact at the start of the step */
+    int *due;         /* of each contact, switches whose time has come */
+    int *held;        /* for each body, whether it touches something */
     struct scree_measure *measure;
     int grips, grip_capacity;
     struct scree_grip *grip, *old_grip;
     struct scree_grip_view *view, *sooner, *later;
     double (*value)[SCREE_SWITCHES], (*before)[SCREE_SWITCHES];
-    double start;        /* time at y[Y_TIME] = 0, s */
+    double start;           /* time at y[Y_TIME] = 0, s */
     double earliest, limit; /* motions are looked at between these times: between two of their breaks */
-    int clock, root;     /* the contact whose overlap is the clock, -1: time itself; d = s^root - offset */
-    int parting;         /* it runs towards zero */
-    int banned;          /* no clocks for now: time has to end the step */
-    double offset, goal; /* value of s at which that clock stops */
-    int every;           /* rates also look at contacts that are apart */
-    int worst;           /* body with the largest error of the last step */
-    double tick;         /* length of the next step by the clock, in its unit */
+    int clock, root;        /* the contact whose overlap is the clock, -1: time itself; d = s^root - offset */
+    int parting;            /* it runs towards zero */
+    int banned;             /* no clocks for now: time has to end the step */
+    double offset, goal;    /* value of s at which that clock stops */
+    int every;              /* rates also look at contacts that are apart */
+    int worst;              /* body with the largest error of the last step */
+    double tick;            /* length of the next step by the clock, in its unit */
 };
 
 static inline double scree_adaptive_power(double s, int power) {

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <stdlib.h>
 
 /* Share of the list's skin that a body may move in one step; the list is made anew before it has moved as much. */
 static const double longest_way = 0.25;
@@ -77,7 +76,8 @@ void scree_adaptive_look(struct scree_scene *scene) {
     scree_adaptive_rates(scene, a->y, a->work.k[0]);
     if (scree_adaptive_begin(scene)) {
         for (int k = 0; k < a->grips; k++)
-            if (a->grip[k].fresh) scene->inner_step = fmin(scene->inner_step, 0.1 * a->grip[k].depth / a->grip[k].speed);
+            if (a->grip[k].fresh)
+                scene->inner_step = fmin(scene->inner_step, 0.1 * a->grip[k].depth / a->grip[k].speed);
         scree_adaptive_rates(scene, a->y, a->work.k[0]);
     }
     a->every = 0;
@@ -168,7 +168,8 @@ static void note_depths(struct scree_scene *scene) {
  * the start; 0 where none is in doubt. */
 static double doubtful(const struct scree_adaptive *a, double h) {
     for (int k = 0; k < a->grips && a->clock < 0; k++) {
-        double d0 = -a->before[k][SCREE_SWITCH_OVERLAP], d1 = a->view[k].overlap, c0 = a->closing[k], c1 = a->view[k].closing;
+        double d0 = -a->before[k][SCREE_SWITCH_OVERLAP], d1 = a->view[k].overlap, c0 = a->closing[k],
+               c1 = a->view[k].closing;
         if (a->grip[k].state != SCREE_GRIP_APART || !(c0 > 0.0 && c1 < 0.0) || d1 > 0.0 || d0 > 0.0) continue;
         double peak = d0 + 0.5 * c0 * c0 / (c0 - c1) * h;
         if (peak > -0.2 * (fabs(d0) + fabs(d1)) && c0 * h > 1e-9 * fabs(d0)) return h * c0 / (c0 - c1);
@@ -222,7 +223,8 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
     lengthen_paths(scene, time, a->y, a->arrived, 1);
     tidy_attitudes(scene);
     if (parted) {
-        scree_grip_switch(&a->grip[a->clock], SCREE_SWITCH_OVERLAP, &a->view[a->clock], a->arrived + a->place[a->clock]);
+        scree_grip_switch(&a->grip[a->clock], SCREE_SWITCH_OVERLAP, &a->view[a->clock],
+                          a->arrived + a->place[a->clock]);
         scene->effort.events++;
     }
     note_depths(scene);
@@ -264,7 +266,6 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
             return SCREE_OK;
         }
         double error = scree_adaptive_error(scene, time);
-        if (getenv("ADBT")) fprintf(stderr, "  try h %g time %g error %g worst %d clock %d\n", h, time, error, a->worst, a->clock);
         int far = !(lengthen_paths(scene, time, a->y, a->work.end, 0) <= 2.0 * longest_way * scene->contacts.skin);
         if (error <= 1.0 && !far) {
             memcpy(a->arrived, a->work.end, a->work.size * sizeof *a->arrived);
@@ -372,7 +373,6 @@ static scree_status integrate(struct scree_scene *scene) {
             begin_segment(scene, &c);
         }
         if (c.fresh) scree_adaptive_look(scene);
-        if (getenv("ADBG")) fprintf(stderr, "t %.17g fresh %d clock %d Y %g step %g ev %ld ov %g cl %g st %d F %g\n", a->y[Y_TIME], c.fresh, a->clock, a->y[Y_CLOCK], scene->inner_step, scene->effort.events, a->grips?a->view[0].overlap:0, a->grips?a->view[0].closing:0, a->grips?(int)a->grip[0].state:-1,a->grips?a->view[0].whole:-1);
         c.fresh = 0;
         int flown = fly(scene, &c);
         if (flown < 0) status = scene->trouble.status;

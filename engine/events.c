@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <stdlib.h>
 
 enum { TRIES = 60 };
 
@@ -175,7 +174,6 @@ static void change(struct scree_scene *scene, struct event event, const int *due
             int also = due[k] >> w & 1 && a->value[k][w] <= 4.0 * nothing(scene, &a->grip[k], w);
             if (!same && !also) continue;
             scree_grip_switch(&a->grip[k], (enum scree_switch)w, &a->view[k], y + a->place[k]);
-            if (getenv("ADBE")) fprintf(stderr, "event grip %d which %d at %.12g value %g before %g state %d\n", k, w, y[Y_TIME], a->value[k][w], a->before[k][w], (int)a->grip[k].state);
             if (w >= SCREE_SWITCH_SLIDE) note_slide(&a->grip[k], w - SCREE_SWITCH_SLIDE, y[Y_TIME]);
             scene->effort.events++;
             break; /* the others belonged to the phase that is over */

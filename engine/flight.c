@@ -118,8 +118,7 @@ double scree_adaptive_safe_time(const struct scree_scene *scene, double most) {
 
 /* Whether a body's attitude changes in flight in a way that has no short formula. */
 static int turns_freely(const struct scree_bodies *bodies, int k) {
-    return bodies->slot[k] >= 0 && bodies->joint[k].turn == SCREE_FREE &&
-           vec_norm2(vec_from(bodies->state[k].l)) > 0.0;
+    return bodies->slot[k] >= 0 && bodies->joint[k].turn == SCREE_FREE && vec_norm2(vec_from(bodies->state[k].l)) > 0.0;
 }
 
 int scree_adaptive_fly(struct scree_scene *scene, double time) {

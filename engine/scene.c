@@ -320,8 +320,7 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
                             "tolerance must be 1e-13 to 1e-3 and belongs to the integrator adaptive, got %g",
                             def->tolerance);
     if (def->no_flight && !adaptive)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "flight",
-                            "flight belongs to the integrator adaptive");
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "flight", "flight belongs to the integrator adaptive");
     if (def->threads < 0 || def->threads > 1024)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
                             def->threads);

@@ -52,14 +52,14 @@ struct scree_scene {
     struct scree_contacts contacts;
     double step;
     long steps;
-    double driven;       /* J put in by drives and tilting so far */
-    double first_energy; /* J at the start */
-    double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */
-    int hastiest;        /* which body */
+    double driven;                   /* J put in by drives and tilting so far */
+    double first_energy;             /* J at the start */
+    double hasty;                    /* longest way of a body in one step, in parts of what the list looks ahead */
+    int hastiest;                    /* which body */
     struct scree_adaptive *adaptive; /* NULL with other integrators */
     scree_effort effort;
     double inner_step; /* s: that the adaptive integrator tries next; 0: none yet */
-    int books_begun;     /* the energy books begin at the state that was restored, which held none */
+    int books_begun;   /* the energy books begin at the state that was restored, which held none */
 };
 
 /* Gravity at a time, m/s^2. */

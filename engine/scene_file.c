@@ -540,7 +540,8 @@ static void read_adaptive(struct scree_reader *r, const struct scree_toml *table
 }
 
 static void read_time(struct scree_reader *r) {
-    static const char *const keys[] = {"end", "step", "integrator", "substeps", "tolerance", "flight", "speed", "force", "threads", NULL};
+    static const char *const keys[] = {"end",    "step",  "integrator", "substeps", "tolerance",
+                                       "flight", "speed", "force",      "threads",  NULL};
     static const char *const integrators[] = {"verlet", "pair-impulse", "adaptive", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {

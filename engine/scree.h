@@ -40,7 +40,7 @@ typedef enum scree_integrator {
     SCREE_VERLET = 0,   /* position Verlet with predicted velocities; second order */
     SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more digits
                            from the same step for damped contacts, at several times the cost; second order */
-    SCREE_ADAPTIVE,     /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */
+    SCREE_ADAPTIVE, /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */
 } scree_integrator;
 
 typedef struct scree_time_def {
@@ -49,13 +49,13 @@ typedef struct scree_time_def {
                      `divide`, the time between rows */
     double divide; /* s; 0: no such wish */
     scree_integrator integrator;
-    int substeps; /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
-    double speed; /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
+    int substeps;     /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
+    double speed;     /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
-    int no_flight;    /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at once */
-    int force;    /* accept a step beyond the stability limit */
-    int threads;  /* 0: 1 */
-    int energy;   /* keep the energy books (scree_scene_energy) */
+    int no_flight; /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at once */
+    int force;     /* accept a step beyond the stability limit */
+    int threads; /* 0: 1 */
+    int energy;  /* keep the energy books (scree_scene_energy) */
 } scree_time_def;
 
 /* An empty scene, NULL if there is no memory. The caller destroys it; NULL may be destroyed too. */

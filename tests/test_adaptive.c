@@ -9,8 +9,8 @@
 
 static void show(const char *what, const char *which, double error, scree_effort effort) {
     if (getenv("SCREE_SHOW"))
-        printf("%-14s %-48.48s %.1e  steps %ld rejected %ld events %ld evaluations %ld flights %ld\n", what, which, error,
-               effort.steps, effort.rejected, effort.events, effort.evaluations, effort.flights);
+        printf("%-14s %-48.48s %.1e  steps %ld rejected %ld events %ld evaluations %ld flights %ld\n", what, which,
+               error, effort.steps, effort.rejected, effort.events, effort.evaluations, effort.flights);
 }
 
 static scree_scene *adaptive(const char *text, double tolerance, const char *const *changes, int count) {
@@ -171,8 +171,9 @@ static void test_oblique(void) {
 
 static scree_scene *row_of(int count, const char *law, double tolerance) {
     static char text[4096];
-    int used = sprintf(text, "[time]\nend = 0.1\n[[material]]\nname = \"ball\"\n"
-                             "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { %s }\n",
+    int used = sprintf(text,
+                       "[time]\nend = 0.1\n[[material]]\nname = \"ball\"\n"
+                       "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { %s }\n",
                        law);
     for (int k = 0; k < count; k++)
         used += sprintf(text + used,
@@ -191,8 +192,8 @@ static void test_cradle(void) {
         double p = check_number(table, row, "p"), worst = 0.0;
         int count = (int)check_number(table, row, "N");
         if (p == 2.0) continue;
-        scree_scene *scene =
-            row_of(count, p == 1.0 ? "law=\"linear\", stiffness=1e6, damping=0.0" : "law=\"hertz\", stiffness=1e8", 1e-12);
+        scree_scene *scene = row_of(
+            count, p == 1.0 ? "law=\"linear\", stiffness=1e6, damping=0.0" : "law=\"hertz\", stiffness=1e8", 1e-12);
         go(scene, 1);
         for (int k = 0; k < count; k++) {
             char name[8];
