@@ -130,7 +130,8 @@ static void restore_spin(const struct scree_scene *scene, int k, const double *b
     double lost = 0.5 * vec_dot(m0, vec_times(inverse, m0)) - 0.5 * vec_dot(m, w);
     struct vec slope = vec_cross(w, m);
     double size = vec_norm2(slope);
-    if (size > 1e-6 * vec_norm2(w) * vec_norm2(m)) {
+    /* Close to a principal axis a turn changes next to nothing, and what is lost is rounding. */
+    if (size > 1e-10 * vec_norm2(w) * vec_norm2(m) && fabs(lost) > 2e-16 * vec_dot(m, w)) {
         struct vec turn = vec_scale(0.5 * lost / size, slope);
         q = quat_normalise(quat_multiply(q, (struct quat){1.0, turn.x, turn.y, turn.z}));
     }

@@ -109,5 +109,5 @@ void scree_dop853_step(struct scree_dop853 *work, scree_dop853_rates *rates, voi
 
 double scree_dop853_error(double error5, double error3) {
     double square = error5 * error5, both = square + 0.01 * error3 * error3;
-    return both > 0.0 ? square / sqrt(both) : 0.0;
+    return both == 0.0 ? 0.0 : square / sqrt(both); /* a NaN stays one */
 }
