@@ -165,8 +165,9 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
         struct vec towards = size > 0.0    ? vec_scale(1.0 / size, memory)
                              : speed > 0.0 ? vec_scale(1.0 / speed, v)
                                            : vec(0.0, 0.0, 0.0);
-        /* It turns towards the slip over the way that the spring is stretched by; under next to no load at once. */
-        double way = fmax(s->hold.slides / s->k, 1e-4 * s->longest) + SCREE_NO_SPEED;
+        /* It turns towards the slip over the way that the spring is stretched by; under next to no load at once, which no explicit step
+         * follows and none has to: there, over a thousandth of the longest such way. */
+        double way = fmax(s->hold.slides / s->k, 1e-3 * s->longest) + SCREE_NO_SPEED;
         d.force = vec_scale(-s->hold.slides, towards);
         d.elastic = vec_scale(s->hold.slides, towards);
         d.rate = vec_scale(size / way, vec_axpy(v, -vec_dot(v, towards), towards));
@@ -191,6 +192,10 @@ static struct slider slider_of(const struct scree_grip *grip, int way, double no
     s.c = grip->rolling->damping(law);
     s.hold = (struct scree_hold){coefficient * normal, coefficient * normal};
     return s;
+}
+
+double scree_grip_slides(const struct scree_grip *grip, int way, double load) {
+    return slider_of(grip, way, load, 0.5 * grip->depth, vec(0.0, 0.0, 0.0)).hold.slides;
 }
 
 /* The force against the velocity of one way, and the rate of its memory. */

@@ -71,6 +71,9 @@ int scree_grip_is_slider(const struct scree_grip *grip, int way);
 /* Force per unit of a way's memory at an overlap, N/m; 1 where the force itself is kept, 0 where nothing is. */
 double scree_grip_stiffness(const struct scree_grip *grip, int way, double overlap);
 
+/* Force with which a slider slips under a load, N. */
+double scree_grip_slides(const struct scree_grip *grip, int way, double load);
+
 /* Where the ball is on its partner, as the records have it: fills normal, arms, overlap, closing and slip. `overlap` replaces the
  * overlap unless it is NAN. */
 void scree_grip_meet(const struct scree_grip *grip, const struct scree_bodies *bodies, double overlap,

@@ -49,10 +49,21 @@ static int slips_at_once(const struct scree_grip *grip, const struct scree_grip_
     return (stiffness * time + damping) * speed > law->hold(constants, at).holds;
 }
 
+/* How far the spring of each way is stretched while it slips under the load to come. */
+static void set_longest(struct scree_grip *grip) {
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
+        if (!scree_grip_is_slider(grip, way)) continue;
+        double slides = scree_grip_slides(grip, way, grip->load), unit = scree_grip_stiffness(grip, way, grip->depth);
+        int in_force = way == SCREE_GRIP_FRICTION && !grip->friction->slider;
+        if (in_force) unit = grip->friction->stiffness(&grip->rule->friction_constants, grip->of_friction, grip->depth);
+        grip->longest[way] = slides / unit;
+    }
+}
+
 static void begin_sideways(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
     memset(grip->slips, 0, sizeof grip->slips);
-    memset(grip->longest, 0, sizeof grip->longest);
+    set_longest(grip);
     if (!scree_grip_is_slider(grip, SCREE_GRIP_FRICTION) || !slips_at_once(grip, view)) return;
     const struct scree_law_constants *constants = &grip->rule->friction_constants;
     grip->slips[SCREE_GRIP_FRICTION] = 1;
@@ -116,8 +127,8 @@ void scree_grip_recall(struct scree_grip *grip, const struct scree_grip_view *vi
             continue;
         for (int m = 0; m < numbers; m++) memory[3 * way + m] = kept[kept_at[way] + m];
         grip->slips[way] = scree_grip_is_slider(grip, way) && kept[kept_at[way] + numbers] > 0.0;
-        grip->longest[way] = vec_norm(vec_from(memory + 3 * way));
     }
+    set_longest(grip);
 }
 
 void scree_grip_keep(const struct scree_grip *grip, const struct scree_grip_view *view, const double *memory,
@@ -210,7 +221,6 @@ static void switch_slide(struct scree_grip *grip, int way, const struct scree_gr
     if (grip->slips[way] && view->damping_of[way] == 0.0)
         vec_store(vec_scale(in_force ? 1.0 : 1.0 / view->stiffness[way], view->elastic[way]), memory + 3 * way);
     grip->slips[way] = !grip->slips[way];
-    grip->longest[way] = vec_norm(vec_from(memory + 3 * way)) / (in_force ? view->stiffness[way] : 1.0);
 }
 
 void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const struct scree_grip_view *view,
