@@ -247,7 +247,10 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     view->push = vec_scale(view->force, n);
     view->torque = zero;
     view->rubbing = 0.0;
-    for (int way = 0; way < SCREE_GRIP_WAYS; way++) view->rate[way] = view->elastic[way] = view->velocity[way] = zero;
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
+        view->rate[way] = view->elastic[way] = view->velocity[way] = zero;
+        view->stiffness[way] = view->damping_of[way] = view->holds[way] = view->slides[way] = 0.0;
+    }
     if (grip->state != SCREE_GRIP_HELD || (!grip->friction && !grip->rolling)) return;
     double normal = grip->pulling ? 0.0 : fmax(view->force, 0.0);
     const struct scree_record *ball = &bodies->record[grip->contact.ball], *host = &bodies->record[grip->contact.host];

@@ -278,7 +278,7 @@ int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *vie
     }
     int changed = 0;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
-        if (!grip->slips[way] || view->damping_of[way] > 0.0) continue;
+        if (!grip->slips[way] || view->damping_of[way] > 0.0 || !(view->stiffness[way] > 0.0)) continue;
         double stretch = view->slides[way] / view->stiffness[way];
         if (stretch > grip->longest[way]) grip->longest[way] = stretch;
     }

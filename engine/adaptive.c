@@ -29,8 +29,9 @@ scree_status scree_adaptive_create(struct scree_scene *scene) {
         a->at = calloc(bodies, sizeof *a->at);
         a->held = calloc(bodies, sizeof *a->held);
         a->measure = calloc(bodies, sizeof *a->measure);
+        a->spin_energy = calloc(bodies, sizeof *a->spin_energy);
     }
-    if (a && a->at && a->held && a->measure) return SCREE_OK;
+    if (a && a->at && a->held && a->measure && a->spin_energy) return SCREE_OK;
     return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the unknowns");
 }
 
@@ -45,6 +46,7 @@ void scree_adaptive_destroy(struct scree_scene *scene) {
     free(a->closing);
     free(a->held);
     free(a->measure);
+    free(a->spin_energy);
     free(a->grip);
     free(a->old_grip);
     free(a->view);
@@ -302,6 +304,7 @@ scree_status scree_adaptive_begin_step(struct scree_scene *scene) {
     a->earliest = a->start;
     a->limit = HUGE_VAL;
     a->clock = -1;
+    for (int k = 0; k < scene->bodies.count; k++) a->spin_energy[k] = -1.0;
     scree_bodies_start(&scene->bodies, a->start);
     scree_status status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = take_list(scene);

@@ -30,15 +30,16 @@ struct scree_measure {
 
 struct scree_adaptive {
     struct scree_dop853 work;
-    double *unknowns; /* owns the three arrays below */
-    double *y;        /* unknowns at the start of a step */
-    double *arrived;  /* unknowns at its end */
-    double *next;     /* rates there */
-    int *at;          /* first unknown of each body, -1 where nothing can change */
-    int *place;       /* of each contact's memory in y */
-    double *closing;  /* of each contact at the start of the step */
-    int *due;         /* of each contact, switches whose time has come */
-    int *held;        /* for each body, whether it touches something */
+    double *unknowns;    /* owns the three arrays below */
+    double *y;           /* unknowns at the start of a step */
+    double *arrived;     /* unknowns at its end */
+    double *next;        /* rates there */
+    int *at;             /* first unknown of each body, -1 where nothing can change */
+    int *place;          /* of each contact's memory in y */
+    double *closing;     /* of each contact at the start of the step */
+    int *due;            /* of each contact, switches whose time has come */
+    int *held;           /* for each body, whether it touches something */
+    double *spin_energy; /* of each body while nothing touches it, J; -1: not looked at yet */
     struct scree_measure *measure;
     int grips, grip_capacity;
     struct scree_grip *grip, *old_grip;

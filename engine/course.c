@@ -118,36 +118,41 @@ static scree_status give_up(struct scree_scene *scene, double step) {
     return scree_scene_stop(scene, a->start + a->y[Y_TIME], body, other, cause);
 }
 
+static double spin_energy(const struct scree_inertia *inertia, const double *own) {
+    struct mat frame = quat_to_mat(quat_normalise(quat_from(own + 9)));
+    struct vec m = mat_undo(&frame, vec_from(own + 6));
+    return 0.5 * vec_dot(m, vec_times(vec_from(inertia->inverse_moments), m));
+}
+
 /* A body that nothing touches turns at constant energy: what the step has lost of it is put back by the smallest turn that does
  * (a projection: Hairer, Lubich & Wanner, Geometric Numerical Integration, 2nd ed. 2006, section IV.4). Its angular momentum
- * is an unknown and stays as it is. */
-static void restore_spin(const struct scree_scene *scene, int k, const double *before, double *after) {
-    const struct scree_inertia *inertia = &scene->bodies.inertia[k];
-    struct vec l = vec_from(after + 6), inverse = vec_from(inertia->inverse_moments);
-    struct quat q = quat_normalise(quat_from(after + 9));
-    struct mat was = quat_to_mat(quat_normalise(quat_from(before + 9))), now = quat_to_mat(q);
-    struct vec m0 = mat_undo(&was, l), m = mat_undo(&now, l), w = vec_times(inverse, m);
-    double lost = 0.5 * vec_dot(m0, vec_times(inverse, m0)) - 0.5 * vec_dot(m, w);
-    struct vec slope = vec_cross(w, m);
-    double size = vec_norm2(slope);
-    /* Close to a principal axis a turn changes next to nothing, and what is lost is rounding. */
-    if (size > 1e-10 * vec_norm2(w) * vec_norm2(m) && fabs(lost) > 2e-16 * vec_dot(m, w)) {
+ * is an unknown and stays as it is. Close to a principal axis turns change next to no energy, and none is put back. */
+static void restore_spin(const struct scree_inertia *inertia, double energy, double *own) {
+    struct vec l = vec_from(own + 6);
+    struct quat q = quat_normalise(quat_from(own + 9));
+    struct mat frame = quat_to_mat(q);
+    struct vec m = mat_undo(&frame, l), w = vec_times(vec_from(inertia->inverse_moments), m), slope = vec_cross(w, m);
+    double size = vec_norm2(slope), lost = energy - 0.5 * vec_dot(m, w);
+    if (size > 1e-10 * vec_norm2(w) * vec_norm2(m)) {
         struct vec turn = vec_scale(0.5 * lost / size, slope);
         q = quat_normalise(quat_multiply(q, (struct quat){1.0, turn.x, turn.y, turn.z}));
     }
-    quat_store(q, after + 9);
+    quat_store(q, own + 9);
 }
 
 static void tidy_attitudes(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
-    for (int k = 0; k < scene->bodies.count; k++) {
-        if (a->at[k] < 0 || scene->bodies.slot[k] < 0 || scene->bodies.joint[k].turn != SCREE_FREE) continue;
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 0; k < bodies->count; k++) {
+        if (a->at[k] < 0 || bodies->slot[k] < 0 || bodies->joint[k].turn != SCREE_FREE) continue;
         double *own = a->arrived + a->at[k];
-        int hinged = scene->bodies.attitude[scene->bodies.slot[k]].inverse_hinge != 0.0;
-        if (!a->held[k] && !hinged)
-            restore_spin(scene, k, a->y + a->at[k], own);
-        else
+        if (a->held[k] || bodies->attitude[bodies->slot[k]].inverse_hinge != 0.0) {
+            a->spin_energy[k] = -1.0;
             quat_store(quat_normalise(quat_from(own + 9)), own + 9);
+        } else {
+            if (a->spin_energy[k] < 0.0) a->spin_energy[k] = spin_energy(&bodies->inertia[k], a->y + a->at[k]);
+            restore_spin(&bodies->inertia[k], a->spin_energy[k], own);
+        }
     }
 }
 
