@@ -126,14 +126,15 @@ static double spin_energy(const struct scree_inertia *inertia, const double *own
 
 /* A body that nothing touches turns at constant energy: what the step has lost of it is put back by the smallest turn that does
  * (a projection: Hairer, Lubich & Wanner, Geometric Numerical Integration, 2nd ed. 2006, section IV.4). Its angular momentum
- * is an unknown and stays as it is. Close to a principal axis turns change next to no energy, and none is put back. */
+ * is an unknown and stays as it is. Close to a principal axis turns change next to no energy, and none is put back; nor is rounding, which would be a larger turn
+ * there than any error. */
 static void restore_spin(const struct scree_inertia *inertia, double energy, double *own) {
     struct vec l = vec_from(own + 6);
     struct quat q = quat_normalise(quat_from(own + 9));
     struct mat frame = quat_to_mat(q);
     struct vec m = mat_undo(&frame, l), w = vec_times(vec_from(inertia->inverse_moments), m), slope = vec_cross(w, m);
     double size = vec_norm2(slope), lost = energy - 0.5 * vec_dot(m, w);
-    if (size > 1e-10 * vec_norm2(w) * vec_norm2(m)) {
+    if (size > 1e-10 * vec_norm2(w) * vec_norm2(m) && fabs(lost) > 2e-15 * energy) {
         struct vec turn = vec_scale(0.5 * lost / size, slope);
         q = quat_normalise(quat_multiply(q, (struct quat){1.0, turn.x, turn.y, turn.z}));
     }

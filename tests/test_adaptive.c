@@ -310,27 +310,27 @@ static double swing_error(const struct swing *s, const struct swing *expected, d
                           const char *label) {
     char text[2048];
     double overlap = 9.81 / 1e6;
-    snprintf(text, sizeof text,
-             "gravity = [0, 0, -9.81]\n[time]\nend = %.17g\n"
-             "[[material]]\nname = \"mass\"\n[[material]]\nname = \"belt\"\n[[material]]\nname = \"wall\"\n"
-             "[[motion]]\nname = \"drive\"\nkind = \"velocity\"\nvelocity = %.17g\n"
-             "[[body]]\nname = \"belt\"\nshape = { plane = true }\nmaterial = \"belt\"\n"
-             "joint = { x = \"drive\", others = \"fixed\" }\n"
-             "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
-             "position = [0.5, 0, 0]\norientation = { axis = [0, 1, 0], degrees = -90 }\n"
-             "[[body]]\nname = \"mass\"\nshape = { sphere = 0.5 }\nmaterial = \"mass\"\nmass = 1.0\n"
-             "joint = { turn = \"fixed\" }\nposition = [%.17g, 0, %.17g]\nvelocity = [%.17g, 0, 0]\n"
-             "[[contact]]\nbetween = [\"mass\", \"wall\"]\nnormal = { law = \"linear\", stiffness = %.17g, damping = "
-             "0.0 }\n"
-             "[[contact]]\nbetween = [\"mass\", \"belt\"]\nnormal = { law = \"linear\", stiffness = 1e6, damping = 0.0 }\n"
-             "friction = { law = \"coulomb\", static = %.17g, kinetic = %.17g, stiffness = %.17g, damping = %.17g }\n",
-             time, s->belt, s->x, 0.5 - overlap, s->v, s->k, s->holds / 9.81, s->slides / 9.81, s->kt, damping);
+    snprintf(
+        text, sizeof text,
+        "gravity = [0, 0, -9.81]\n[time]\nend = %.17g\n"
+        "[[material]]\nname = \"mass\"\n[[material]]\nname = \"belt\"\n[[material]]\nname = \"wall\"\n"
+        "[[motion]]\nname = \"drive\"\nkind = \"velocity\"\nvelocity = %.17g\n"
+        "[[body]]\nname = \"belt\"\nshape = { plane = true }\nmaterial = \"belt\"\n"
+        "joint = { x = \"drive\", others = \"fixed\" }\n"
+        "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
+        "position = [0.5, 0, 0]\norientation = { axis = [0, 1, 0], degrees = -90 }\n"
+        "[[body]]\nname = \"mass\"\nshape = { sphere = 0.5 }\nmaterial = \"mass\"\nmass = 1.0\n"
+        "joint = { turn = \"fixed\" }\nposition = [%.17g, 0, %.17g]\nvelocity = [%.17g, 0, 0]\n"
+        "[[contact]]\nbetween = [\"mass\", \"wall\"]\nnormal = { law = \"linear\", stiffness = %.17g, damping = "
+        "0.0 }\n"
+        "[[contact]]\nbetween = [\"mass\", \"belt\"]\nnormal = { law = \"linear\", stiffness = 1e6, damping = 0.0 }\n"
+        "friction = { law = \"coulomb\", static = %.17g, kinetic = %.17g, stiffness = %.17g, damping = %.17g }\n",
+        time, s->belt, s->x, 0.5 - overlap, s->v, s->k, s->holds / 9.81, s->slides / 9.81, s->kt, damping);
     scree_scene *scene = adaptive(text, 1e-12, NULL, 0);
     /* The slider starts stretched. */
     struct scree_contacts *contacts = &scene->contacts;
     for (int b = 0; b < contacts->batches; b++)
-        if (contacts->batch[b].memory && contacts->batch[b].count == 1)
-            contacts->batch[b].kept[0][0][0] = -s->stretch;
+        if (contacts->batch[b].memory && contacts->batch[b].count == 1) contacts->batch[b].kept[0][0][0] = -s->stretch;
     go(scene, 1);
     scree_body_state mass = state_of(scene, "mass");
     double error = fmax(fabs(mass.position[0] - expected->x), fabs(mass.velocity[0] - expected->v));
@@ -376,11 +376,13 @@ static const char top[] =
     "[[body]]\nname = \"top\"\nshape = { box = [0.1, 0.2, 0.3] }\nmaterial = \"brass\"\nspin = [1, 2, 3]\n"
     "[output]\nevery = 0.5\n";
 
-/* 15 digits of the exact solution; errors of the attitude add up over 20 s, about 12 turns, and near the unstable axis they grow. */
+/* 15 digits of the exact solution over some 12 turns. About the middle axis a top flips over again and again, when by the difference of
+ * its energy from that of the separatrix, 1e-6 of it: of rounding, 1e-16, that makes 1e-10 of the time between flips, and flips
+ * are some ten times as fast as that. */
 static void test_top(void) {
     struct check_table *table = check_read("torque_free_top.csv");
     scree_scene *scene = NULL;
-    double worst = 0.0;
+    double worst[2] = {0.0, 0.0};
     for (int row = 0; row < table->rows; row++) {
         const char *name = check_text(table, row, "case");
         double time = check_number(table, row, "t");
@@ -401,10 +403,12 @@ static void test_top(void) {
         error = fmax(error, fabs(w.z - check_number(table, row, "w3")));
         error = fmax(error, fabs(sign * q.w - check_number(table, row, "q0")));
         error = fmax(error, fabs(sign * q.z - check_number(table, row, "q3")));
-        worst = fmax(worst, error);
+        worst[generic] = fmax(worst[generic], error);
     }
-    show("top", "attitude and spin against the table", worst, scree_scene_effort(scene));
-    NEAR(worst, 0.0, 1e-9);
+    show("top", "attitude and spin, generic", worst[1], scree_scene_effort(scene));
+    show("top", "about its middle axis", worst[0], scree_scene_effort(scene));
+    NEAR(worst[1], 0.0, 1e-11);
+    NEAR(worst[0], 0.0, 5e-8);
     scree_scene_destroy(scene);
     free(table);
 }
@@ -435,17 +439,22 @@ static const char mess[] =
     "gravity = [0, 0, -9.81]\n[time]\nend = 0.4\n"
     "[[material]]\nname = \"ball\"\ndensity = 2000\n[[material]]\nname = \"box\"\ndensity = 1500\n"
     "[[material]]\nname = \"floor\"\n"
-    "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { law = \"tsuji-cut\", stiffness = 1e7, restitution = 0.8 }\n"
+    "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { law = \"tsuji-cut\", stiffness = 1e7, restitution = 0.8 "
+    "}\n"
     "friction = { law = \"mindlin\", static = 0.4, kinetic = 0.3, shear_modulus = 1e7 }\n"
-    "[[contact]]\nbetween = [\"ball\", \"box\"]\nnormal = { law = \"walton-braun\", stiffness = 2e4, restitution = 0.7 }\n"
+    "[[contact]]\nbetween = [\"ball\", \"box\"]\nnormal = { law = \"walton-braun\", stiffness = 2e4, restitution = 0.7 "
+    "}\n"
     "friction = { law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e4, damping = 2.0 }\n"
     "[[contact]]\nbetween = [\"ball\", \"floor\"]\nnormal = { law = \"hertz\", stiffness = 1e7 }\n"
     "friction = { law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e4 }\n"
     "rolling = { law = \"spring-dashpot\", rolling = 0.05, twisting = 0.02, stiffness = 1e3, damping = 0.5 }\n"
-    "[[contact]]\nbetween = [\"box\", \"floor\"]\nnormal = { law = \"linear-cut\", stiffness = 3e4, restitution = 0.5 }\n"
-    "friction = { law = \"lugre\", static = 0.4, kinetic = 0.3, stribeck_speed = 0.05, stiffness = 1e4, damping = 5.0 }\n"
+    "[[contact]]\nbetween = [\"box\", \"floor\"]\nnormal = { law = \"linear-cut\", stiffness = 3e4, restitution = 0.5 "
+    "}\n"
+    "friction = { law = \"lugre\", static = 0.4, kinetic = 0.3, stribeck_speed = 0.05, stiffness = 1e4, damping = 5.0 "
+    "}\n"
     "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"floor\"\njoint = \"fixed\"\n"
-    "[[body]]\nname = \"a\"\nshape = { sphere = 0.02 }\nmaterial = \"ball\"\nposition = [0, 0, 0.1]\nspin = [0, 20, 5]\n"
+    "[[body]]\nname = \"a\"\nshape = { sphere = 0.02 }\nmaterial = \"ball\"\nposition = [0, 0, 0.1]\nspin = [0, 20, "
+    "5]\n"
     "[[body]]\nname = \"b\"\nshape = { sphere = 0.025 }\nmaterial = \"ball\"\nposition = [0.01, 0.005, 0.16]\n"
     "[[body]]\nname = \"c\"\nshape = { box = [0.06, 0.05, 0.04], rounding = 0.004 }\nmaterial = \"box\"\n"
     "position = [-0.02, 0.01, 0.25]\norientation = { axis = [1, 2, 3], angle = 0.5 }\nspin = [1, -2, 3]\n"
@@ -453,7 +462,8 @@ static const char mess[] =
 
 /* A pile of laws: the same bits for any number of threads, after save and restore, with and without measurements. */
 static void test_same_bits(void) {
-    static const char *const changes[] = {"time.integrator=\"adaptive\"", "output={every=0.02, write=[\"energy.csv\"]}"};
+    static const char *const changes[] = {"time.integrator=\"adaptive\"",
+                                          "output={every=0.02, write=[\"energy.csv\"]}"};
     uint64_t hash[3];
     scree_energy energy;
     for (int k = 0; k < 3; k++) {
@@ -464,7 +474,8 @@ static void test_same_bits(void) {
         if (k == 2) {
             CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
             show("mess", "books", energy.balance / energy.potential, scree_scene_effort(scene));
-            NEAR(energy.balance, 0.0, 1e-7 * energy.potential); /* mindlin and lugre aren't exact about what they store */
+            NEAR(energy.balance, 0.0,
+                 1e-7 * energy.potential); /* mindlin and lugre aren't exact about what they store */
         }
         scree_scene_destroy(scene);
     }
@@ -490,7 +501,8 @@ static void test_flight(void) {
         "gravity = [0.3, 0, -9.81]\n[time]\nend = 1.0\n[[material]]\nname = \"ball\"\ndensity = 2000\n"
         "[[material]]\nname = \"floor\"\n"
         "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { law = \"hertz\", stiffness = 1e8 }\n"
-        "[[contact]]\nbetween = [\"ball\", \"floor\"]\nnormal = { law = \"tsuji-cut\", stiffness = 1e8, restitution = 0.9 }\n"
+        "[[contact]]\nbetween = [\"ball\", \"floor\"]\nnormal = { law = \"tsuji-cut\", stiffness = 1e8, restitution = "
+        "0.9 }\n"
         "friction = { law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 1e5 }\n"
         "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"floor\"\njoint = \"fixed\"\n"
         "[[body]]\nname = \"box\"\nshape = { box = [0.3, 0.3, 0.05] }\nmaterial = \"floor\"\njoint = \"fixed\"\n"
