@@ -246,14 +246,23 @@ static scree_status take_list(struct scree_scene *scene) {
         a->at[k] = own ? (int)size : -1;
         size += (size_t)own;
     }
-    size_t kept = a->y ? size : 0;
+    size_t kept = a->y ? size : 0, most = size + SCREE_GRIP_MEMORY;
+    a->nowhere = (int)size;
     for (int k = 0; k < a->grips; k++) {
-        a->place[k] = (int)size;
-        size += (size_t)memory_size(&a->grip[k]);
+        a->place[k] = a->nowhere;
+        most += (size_t)memory_size(&a->grip[k]);
     }
-    for (int k = 0; k < a->grips; k++) /* zeros behind the end are the memory of those that have none */
-        if (!memory_size(&a->grip[k])) a->place[k] = (int)size;
-    return resize(scene, size + SCREE_GRIP_MEMORY, kept);
+    scree_status room = resize(scene, most, kept);
+    a->work.size = size + SCREE_GRIP_MEMORY;
+    return room;
+}
+
+void scree_adaptive_claim(struct scree_adaptive *a, int grip) {
+    if (a->place[grip] != a->nowhere || !memory_size(&a->grip[grip])) return;
+    a->place[grip] = (int)a->work.size;
+    a->work.size += (size_t)memory_size(&a->grip[grip]);
+    memset(a->y + a->place[grip], 0, SCREE_GRIP_MEMORY * sizeof *a->y);
+    memset(a->arrived + a->place[grip], 0, SCREE_GRIP_MEMORY * sizeof *a->y);
 }
 
 scree_status scree_adaptive_list(struct scree_scene *scene) {
@@ -280,6 +289,7 @@ scree_status scree_adaptive_list(struct scree_scene *scene) {
             int index = now->index;
             *now = *was;
             now->index = index;
+            scree_adaptive_claim(a, k);
             if (memory_size(now))
                 memcpy(a->y + a->place[k], memory + SCREE_GRIP_MEMORY * (size_t)n, SCREE_GRIP_MEMORY * sizeof *memory);
         }
@@ -317,6 +327,8 @@ scree_status scree_adaptive_begin_step(struct scree_scene *scene) {
         scree_grip_meet(grip, &scene->bodies, NAN, &a->view[k]);
         double memory[SCREE_GRIP_MEMORY];
         scree_grip_recall(grip, &a->view[k], kept_of(scene, grip, kept), memory);
+        if (grip->state == SCREE_GRIP_APART) continue;
+        scree_adaptive_claim(a, k);
         if (memory_size(grip)) memcpy(a->y + a->place[k], memory, sizeof memory);
     }
     return SCREE_OK;

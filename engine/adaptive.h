@@ -36,6 +36,7 @@ struct scree_adaptive {
     double *next;        /* rates there */
     int *at;             /* first unknown of each body, -1 where nothing can change */
     int *place;          /* of each contact's memory in y */
+    int nowhere;         /* zeros in y: the memory of contacts that are apart or have none */
     double *closing;     /* of each contact at the start of the step */
     int *due;            /* of each contact, switches whose time has come */
     int *held;           /* for each body, whether it touches something */
@@ -75,6 +76,9 @@ void scree_adaptive_place(struct scree_scene *scene, const double *y);
 
 /* Make the list of contacts anew at y; phases and memory of contacts stay. */
 scree_status scree_adaptive_list(struct scree_scene *scene);
+
+/* A place in y for the memory of a contact that begins. */
+void scree_adaptive_claim(struct scree_adaptive *a, int grip);
 
 /* Everything anew from bodies and kept memory, at the start of a step of the scene; and contact memory back, from the views. */
 scree_status scree_adaptive_begin_step(struct scree_scene *scene);

@@ -17,7 +17,7 @@ static double rounding_of(const struct scree_scene *scene, const struct scree_gr
 
 /* How far below zero a switch function is still zero. */
 static double nothing(const struct scree_scene *scene, const struct scree_grip *grip, int which) {
-    return which == SCREE_SWITCH_OVERLAP ? rounding_of(scene, grip) : 1e-13;
+    return which == SCREE_SWITCH_OVERLAP ? rounding_of(scene, grip) : fmax(1e-3 * scene->time.tolerance, 1e-13);
 }
 
 /* ---- switch functions ---- */
@@ -68,6 +68,7 @@ int scree_adaptive_begin(struct scree_scene *scene) {
         const struct scree_grip_view *view = &a->view[k];
         if (grip->state != SCREE_GRIP_APART || !(view->closing > 0.0)) continue;
         if (view->overlap < -rounding_of(scene, grip)) continue;
+        scree_adaptive_claim(a, k);
         scree_grip_switch(grip, SCREE_SWITCH_OVERLAP, view, scree_adaptive_memory(a, k));
         begun++;
     }
@@ -173,6 +174,7 @@ static void change(struct scree_scene *scene, struct event event, const int *due
             int same = k == event.grip && w == event.which;
             int also = due[k] >> w & 1 && a->value[k][w] <= 4.0 * nothing(scene, &a->grip[k], w);
             if (!same && !also) continue;
+            if (a->grip[k].state == SCREE_GRIP_APART) scree_adaptive_claim(a, k);
             scree_grip_switch(&a->grip[k], (enum scree_switch)w, &a->view[k], y + a->place[k]);
             if (w >= SCREE_SWITCH_SLIDE) note_slide(&a->grip[k], w - SCREE_SWITCH_SLIDE, y[Y_TIME]);
             scene->effort.events++;

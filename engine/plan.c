@@ -441,11 +441,11 @@ static scree_status check_turning(struct scree_scene *scene) {
 
 /* Gap up to which contacts are listed. Wide where bodies are few (lists cost little, making them anew does), narrow
  * where they are many; and always beyond the reach of the laws, so that no list drops a contact that still holds. */
-static double choose_skin(const struct scree_bodies *bodies, double reach) {
+static double choose_skin(const struct scree_bodies *bodies, int few, double reach) {
     double thinnest = HUGE_VAL;
     for (int k = 0; k < bodies->count; k++) thinnest = fmin(thinnest, scree_shape_half_width(&bodies->shape[k]));
     if (!(thinnest < HUGE_VAL)) thinnest = 1.0;
-    return fmax((bodies->count <= 256 ? 1.0 : 0.4) * thinnest, 1.5 * reach);
+    return fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
 }
 
 static scree_status check_start_overlaps(struct scree_scene *scene) {
@@ -514,7 +514,7 @@ static scree_status bake(struct scree_scene *scene) {
     count_bodies(scene);
     status = plan_pairs_and_step(scene);
     if (status) return status;
-    scene->contacts.skin = choose_skin(&scene->bodies, scene->plan.choice.reach);
+    scene->contacts.skin = choose_skin(&scene->bodies, scene->adaptive ? 16 : 256, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
     status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
