@@ -83,27 +83,40 @@ void scree_dop853_free(struct scree_dop853 *work) {
     *work = (struct scree_dop853){0};
 }
 
+enum { BLOCK = 64 }; /* sums are made by blocks, so that they stay in registers and cache and take wide instructions */
+
+/* sum = weights . k over one block of unknowns, in the order of the stages; weights of zero are left out. */
+static void combine(double *restrict sum, const double *weights, int stages, double *const *k, size_t from,
+                    size_t count) {
+    for (size_t i = 0; i < count; i++) sum[i] = weights[0] * k[0][from + i];
+    for (int s = 1; s < stages; s++) {
+        const double *rates = k[s] + from;
+        double weight = weights[s];
+        if (weight == 0.0) continue;
+        for (size_t i = 0; i < count; i++) sum[i] += weight * rates[i];
+    }
+}
+
 void scree_dop853_step(struct scree_dop853 *work, scree_dop853_rates *rates, void *context, const double *y, double h) {
-    double **k = work->k;
+    double **k = work->k, sum[BLOCK], wrong[BLOCK];
     for (int s = 1; s < SCREE_DOP853_STAGES; s++) {
-        for (size_t i = 0; i < work->size; i++) {
-            double sum = a[s][0] * k[0][i];
-            for (int c = 1; c < s; c++)
-                if (a[s][c] != 0.0) sum += a[s][c] * k[c][i];
-            work->stage[i] = y[i] + h * sum;
+        for (size_t from = 0; from < work->size; from += BLOCK) {
+            size_t count = work->size - from < BLOCK ? work->size - from : BLOCK;
+            combine(sum, a[s], s, k, from, count);
+            for (size_t i = 0; i < count; i++) work->stage[from + i] = y[from + i] + h * sum[i];
         }
         rates(context, work->stage, k[s]);
     }
-    for (size_t i = 0; i < work->size; i++) {
-        double sum = b[0] * k[0][i], wrong = e5[0] * k[0][i];
-        for (int s = 5; s < SCREE_DOP853_STAGES; s++) {
-            sum += b[s] * k[s][i];
-            wrong += e5[s] * k[s][i];
+    for (size_t from = 0; from < work->size; from += BLOCK) {
+        size_t count = work->size - from < BLOCK ? work->size - from : BLOCK;
+        combine(sum, b, SCREE_DOP853_STAGES, k, from, count);
+        combine(wrong, e5, SCREE_DOP853_STAGES, k, from, count);
+        for (size_t i = 0; i < count; i++) {
+            double low = third[0] * k[0][from + i] + third[1] * k[8][from + i] + third[2] * k[11][from + i];
+            work->end[from + i] = y[from + i] + h * sum[i];
+            work->error5[from + i] = h * wrong[i];
+            work->error3[from + i] = h * (sum[i] - low);
         }
-        double low = third[0] * k[0][i] + third[1] * k[8][i] + third[2] * k[11][i];
-        work->end[i] = y[i] + h * sum;
-        work->error5[i] = h * wrong;
-        work->error3[i] = h * (sum - low);
     }
 }
 
