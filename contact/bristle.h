@@ -43,6 +43,12 @@ static inline struct scree_bristle scree_bristle_path(struct scree_sliding at, s
     return path;
 }
 
+/* z' at an instant. */
+static inline struct vec scree_bristle_rate(struct scree_sliding at, struct vec z, double s0, double g) {
+    at.half = 0.0;
+    return scree_bristle_path(at, z, s0, g).rate;
+}
+
 /* What a bristle can carry at most: a deflection cut to `most`. The load may have fallen while nothing slid. */
 static inline struct vec scree_bristle_cut(struct vec z, double most) {
     double size = vec_norm(z);

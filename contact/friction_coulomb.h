@@ -31,13 +31,17 @@ static inline scree_status friction_coulomb_bake(const struct scree_values *valu
     return scree_check_static(law->c[COULOMB_STATIC], law->c[COULOMB_KINETIC], trouble);
 }
 
+static inline struct scree_hold coulomb_hold(const struct scree_law_constants *law, struct scree_sliding at) {
+    double kinetic = law->c[COULOMB_KINETIC] * at.normal;
+    return (struct scree_hold){at.sliding > 0.0 ? kinetic : law->c[COULOMB_STATIC] * at.normal, kinetic};
+}
+
 static inline struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
                                                              struct scree_pair_constants pair,
                                                              struct scree_sliding at) {
     (void)pair;
-    double kinetic = law->c[COULOMB_KINETIC] * at.normal;
-    double holds = at.sliding > 0.0 ? kinetic : law->c[COULOMB_STATIC] * at.normal;
-    return scree_slider(at, law->c[COULOMB_STIFFNESS], law->c[COULOMB_DAMPING], holds, kinetic);
+    struct scree_hold hold = coulomb_hold(law, at);
+    return scree_slider(at, law->c[COULOMB_STIFFNESS], law->c[COULOMB_DAMPING], hold.holds, hold.slides);
 }
 
 static inline double friction_coulomb_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -73,6 +77,7 @@ static const struct scree_friction_law scree_friction_coulomb = {
     .slider = 1,
     .bake = friction_coulomb_bake,
     .force = friction_coulomb_force,
+    .hold = coulomb_hold,
     .stored = friction_coulomb_stored,
     .slope = scree_zero,
     .stiffness = friction_coulomb_stiffness,

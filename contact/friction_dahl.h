@@ -32,6 +32,12 @@ static inline struct scree_tangential friction_dahl_force(const struct scree_law
     return (struct scree_tangential){vec_scale(-s0, path.middle), path.end, 0.0};
 }
 
+static inline struct vec friction_dahl_rate(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                            struct scree_sliding at) {
+    (void)pair;
+    return scree_bristle_rate(at, at.stretch, law->c[DAHL_STIFFNESS], law->c[DAHL_KINETIC] * at.normal);
+}
+
 static inline double friction_dahl_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                           struct scree_sliding at) {
     (void)pair;
@@ -57,6 +63,7 @@ static const struct scree_friction_law scree_friction_dahl = {
     .memory = 1,
     .bake = friction_dahl_bake,
     .force = friction_dahl_force,
+    .rate = friction_dahl_rate,
     .stored = friction_dahl_stored,
     .slope = scree_zero,
     .stiffness = friction_dahl_stiffness,

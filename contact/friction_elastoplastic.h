@@ -42,6 +42,15 @@ static inline struct scree_tangential friction_elastoplastic_force(const struct 
     return lugre_force(law, at, path, g, speed);
 }
 
+static inline struct vec friction_elastoplastic_rate(const struct scree_law_constants *law,
+                                                     struct scree_pair_constants pair, struct scree_sliding at) {
+    (void)pair;
+    double g = lugre_steady(law, at.normal, vec_norm(at.velocity)), s0 = law->c[LUGRE_STIFFNESS];
+    double elastic = law->c[LUGRE_ELASTIC] * law->c[LUGRE_KINETIC] * at.normal / s0;
+    double alpha = elastoplastic_alpha(at.stretch, at.velocity, elastic, g / s0);
+    return scree_bristle_rate(at, at.stretch, alpha * s0, g);
+}
+
 static const struct scree_friction_law scree_friction_elastoplastic = {
     .text = {.name = "elastoplastic",
              .formula =
@@ -57,6 +66,7 @@ static const struct scree_friction_law scree_friction_elastoplastic = {
     .memory = 1,
     .bake = friction_elastoplastic_bake,
     .force = friction_elastoplastic_force,
+    .rate = friction_elastoplastic_rate,
     .stored = lugre_stored,
     .slope = lugre_slope,
     .stiffness = lugre_stiffness,

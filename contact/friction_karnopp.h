@@ -31,13 +31,18 @@ static inline scree_status friction_karnopp_bake(const struct scree_values *valu
     return scree_check_static(law->c[KARNOPP_STATIC], law->c[KARNOPP_KINETIC], trouble);
 }
 
+static inline struct scree_hold karnopp_hold(const struct scree_law_constants *law, struct scree_sliding at) {
+    int inside = vec_norm(at.velocity) < law->c[KARNOPP_BAND];
+    double limit = at.normal * (inside ? law->c[KARNOPP_STATIC] : law->c[KARNOPP_KINETIC]);
+    return (struct scree_hold){limit, limit};
+}
+
 static inline struct scree_tangential friction_karnopp_force(const struct scree_law_constants *law,
                                                              struct scree_pair_constants pair,
                                                              struct scree_sliding at) {
     (void)pair;
-    int inside = vec_norm(at.velocity) < law->c[KARNOPP_BAND];
-    double limit = at.normal * (inside ? law->c[KARNOPP_STATIC] : law->c[KARNOPP_KINETIC]);
-    return scree_slider(at, law->c[KARNOPP_STIFFNESS], law->c[KARNOPP_DAMPING], limit, limit);
+    struct scree_hold hold = karnopp_hold(law, at);
+    return scree_slider(at, law->c[KARNOPP_STIFFNESS], law->c[KARNOPP_DAMPING], hold.holds, hold.slides);
 }
 
 static inline double friction_karnopp_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -73,6 +78,7 @@ static const struct scree_friction_law scree_friction_karnopp = {
     .slider = 1,
     .bake = friction_karnopp_bake,
     .force = friction_karnopp_force,
+    .hold = karnopp_hold,
     .stored = friction_karnopp_stored,
     .slope = scree_zero,
     .stiffness = friction_karnopp_stiffness,

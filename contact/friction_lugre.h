@@ -23,6 +23,13 @@ static inline struct scree_tangential friction_lugre_force(const struct scree_la
     return lugre_force(law, at, path, g, speed);
 }
 
+static inline struct vec friction_lugre_rate(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                             struct scree_sliding at) {
+    (void)pair;
+    double g = lugre_steady(law, at.normal, vec_norm(at.velocity));
+    return scree_bristle_rate(at, at.stretch, law->c[LUGRE_STIFFNESS], g);
+}
+
 static const struct scree_friction_law scree_friction_lugre = {
     .text = {.name = "lugre",
              .formula =
@@ -37,6 +44,7 @@ static const struct scree_friction_law scree_friction_lugre = {
     .memory = 1,
     .bake = friction_lugre_bake,
     .force = friction_lugre_force,
+    .rate = friction_lugre_rate,
     .stored = lugre_stored,
     .slope = lugre_slope,
     .stiffness = lugre_stiffness,

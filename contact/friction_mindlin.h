@@ -12,10 +12,9 @@
 static inline struct scree_tangential friction_mindlin_force(const struct scree_law_constants *law,
                                                              struct scree_pair_constants pair,
                                                              struct scree_sliding at) {
-    double kinetic = law->c[MINDLIN_KINETIC] * at.normal;
-    double holds = at.sliding > 0.0 ? kinetic : law->c[MINDLIN_STATIC] * at.normal;
-    return scree_slider(at, mindlin_stiffness(law, pair, at.overlap), mindlin_damping(law, pair, at.overlap), holds,
-                        kinetic);
+    struct scree_hold hold = mindlin_hold(law, at);
+    return scree_slider(at, mindlin_stiffness(law, pair, at.overlap), mindlin_damping(law, pair, at.overlap),
+                        hold.holds, hold.slides);
 }
 
 static inline double friction_mindlin_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -38,6 +37,7 @@ static const struct scree_friction_law scree_friction_mindlin = {
     .bake = mindlin_bake,
     .pair = mindlin_pair,
     .force = friction_mindlin_force,
+    .hold = mindlin_hold,
     .stored = friction_mindlin_stored,
     .slope = scree_zero,
     .stiffness = mindlin_stiffness,

@@ -13,11 +13,10 @@ static inline struct scree_tangential friction_mindlin_incremental_force(const s
                                                                          struct scree_pair_constants pair,
                                                                          struct scree_sliding at) {
     double k = mindlin_stiffness(law, pair, at.overlap);
-    double kinetic = law->c[MINDLIN_KINETIC] * at.normal;
-    double holds = at.sliding > 0.0 ? kinetic : law->c[MINDLIN_STATIC] * at.normal;
+    struct scree_hold hold = mindlin_hold(law, at);
     /* The stretch that would carry the force at this stiffness: from there on it is the same slider. */
     at.stretch = vec_scale(1.0 / k, at.stretch);
-    struct scree_tangential f = scree_slider(at, k, mindlin_damping(law, pair, at.overlap), holds, kinetic);
+    struct scree_tangential f = scree_slider(at, k, mindlin_damping(law, pair, at.overlap), hold.holds, hold.slides);
     f.stretch = vec_scale(k, f.stretch);
     return f;
 }
@@ -38,10 +37,12 @@ static const struct scree_friction_law scree_friction_mindlin_incremental = {
              .parameters = mindlin_parameters},
     .memory = 1,
     .slider = 1,
+    .in_force = 1,
     .root = 2,
     .bake = mindlin_bake,
     .pair = mindlin_pair,
     .force = friction_mindlin_incremental_force,
+    .hold = mindlin_hold,
     .stored = friction_mindlin_incremental_stored,
     .slope = scree_zero,
     .stiffness = mindlin_stiffness,

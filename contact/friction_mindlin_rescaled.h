@@ -41,6 +41,7 @@ static const struct scree_friction_law scree_friction_mindlin_rescaled = {
              .parameters = mindlin_parameters},
     .memory = 1,
     .slider = 1,
+    .in_force = 1,
     .root = 2,
     .bake = mindlin_bake,
     .pair = mindlin_pair,

@@ -119,16 +119,27 @@ struct scree_tangential {
     double sliding;
 };
 
+/* What a slider bears: the largest force that it holds as it is, and with which it slides, N. */
+struct scree_hold {
+    double holds, slides;
+};
+
 struct scree_friction_law {
     struct scree_law_text text;
     int memory; /* keeps stretch and state */
     int slider; /* the stretch is that of a spring behind a slider: with half = 0 it is cut to what the slider holds */
-    int root;   /* the stiffness sets in like this root of the overlap; 0: otherwise */
+    int in_force; /* as `slider`, but what is kept is the force of that spring, N */
+    int root;     /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);
     struct scree_tangential (*force)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                      struct scree_sliding at);
+    /* What a law with memory makes of it at an instant, for those who integrate it in time; exactly one of the two: that of a
+     * slider behind a spring, or the rate (m/s) at which the stretch of a bristle changes. */
+    struct scree_hold (*hold)(const struct scree_law_constants *law, struct scree_sliding at);
+    struct vec (*rate)(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                       struct scree_sliding at);
     /* Energy in the stretch, J. */
     double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_sliding at);
     /* Steepest rise of the coefficient with speed, s/m, and stiffness (N/m) and damping (N s/m) of a tangential

@@ -48,6 +48,11 @@ static inline double mindlin_stiffness(const struct scree_law_constants *law, st
     return pair.c[MINDLIN_SPRING] * sqrt(overlap > 0.0 ? overlap : 0.0) + 1e-100;
 }
 
+static inline struct scree_hold mindlin_hold(const struct scree_law_constants *law, struct scree_sliding at) {
+    double kinetic = law->c[MINDLIN_KINETIC] * at.normal;
+    return (struct scree_hold){at.sliding > 0.0 ? kinetic : law->c[MINDLIN_STATIC] * at.normal, kinetic};
+}
+
 static inline double mindlin_damping(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                      double overlap) {
     return pair.c[MINDLIN_DASHPOT] * sqrt(mindlin_stiffness(law, pair, overlap));

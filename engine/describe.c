@@ -1,5 +1,6 @@
 /* The plan of a scene in words: what runs, what is skipped and why, the step and what dictated it. */
 #include "contact/impact.h"
+#include "engine/adaptive.h"
 #include "engine/c_locale.h"
 #include "engine/scene.h"
 
@@ -155,8 +156,45 @@ static void describe_rule_of_step(const scree_scene *scene, FILE *file) {
     for (int k = 0; k < scene->contacts.rules; k++) describe_trial(scene, &scene->plan.trial[k], file);
 }
 
+static void describe_adaptive(const scree_scene *scene, FILE *file) {
+
+    const struct scree_step_choice *choice = &scene->plan.choice;
+    fprintf(file, "integrator: adaptive (Dormand-Prince 8(5,3)), tolerance of a step: %.3g\n", scene->time.tolerance);
+    fprintf(file, "step: as long as the tolerance allows; the scene is looked at every %.9g s\n", choice->step);
+    fprintf(file, "  events located: touch, end of contact, changes of a law%s\n",
+            scene->bodies.motions ? ", breaks of motions" : "");
+    int fly = scree_adaptive_can_fly(scene);
+    fprintf(file, "  free flight: %s\n",
+            scene->time.no_flight ? "integrated, as asked (flight = false)"
+            : fly                 ? "straight to the next possible touch while nothing touches"
+                                  : "integrated, since motions drive a body or tilt gravity");
+    for (int k = 0; k < scene->contacts.rules; k++) {
+        const struct scree_rule *rule = &scene->contacts.rule[k];
+        const struct scree_friction_law *law = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
+        if (!rule->touches || !law) continue;
+        fprintf(file, "  \"%s\" with \"%s\": %s\n", material_name(scene, rule->material[0]).text,
+                material_name(scene, rule->material[1]).text,
+                law->hold   ? "sticks and slips, each change located"
+                : law->rate ? "bristles, integrated with the motion"
+                : law->slope(&rule->friction_constants) > 0.0
+                    ? "friction that grows with speed, steps short enough for its slope"
+                    : "friction without memory");
+    }
+    if (choice->shortest_pair[0] < 0) {
+        fprintf(file, "  nothing can touch\n");
+        return;
+    }
+    fprintf(file, "  shortest contact: %.4g s, \"%s\" with \"%s\", of impacts up to %.4g m/s (%s)\n", choice->duration,
+            body_name(scene, choice->shortest_pair[0]).text, body_name(scene, choice->shortest_pair[1]).text,
+            choice->speed, choice->speed_given ? "given" : "estimated");
+}
+
 static void describe_step(const scree_scene *scene, FILE *file) {
     const struct scree_step_choice *choice = &scene->plan.choice;
+    if (scene->time.integrator == SCREE_ADAPTIVE) {
+        describe_adaptive(scene, file);
+        return;
+    }
     if (scene->time.integrator == SCREE_PAIR_IMPULSE)
         fprintf(file, "integrator: pair-impulse, %d substep%s of a contact in a step, with friction %d\n",
                 scene->time.substeps ? scene->time.substeps : 1, scene->time.substeps > 1 ? "s" : "",
@@ -200,11 +238,15 @@ static void describe_stages(const scree_scene *scene, FILE *file) {
         rolling += rule->rolling >= 0;
         regularised += law && law->slope(&rule->friction_constants) > 0.0;
     }
-    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
-    fprintf(file, "runs each step: look ahead, %s, normal law%s%s%s, impulses%s, advance%s\n",
-            impulses ? "look now, gather both, inside each contact" : "gather", friction ? ", friction law" : "",
-            memory ? " with memory" : "", rolling ? ", rolling law" : "", impulses ? " and moments" : "",
-            scene->time.energy ? ", energy books" : "");
+    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE, adaptive = scene->time.integrator == SCREE_ADAPTIVE;
+    if (adaptive)
+        fprintf(file, "runs each evaluation: place bodies, contacts that touch, rates%s\n",
+                scene->time.energy ? "; each row: energy books" : "");
+    else
+        fprintf(file, "runs each step: look ahead, %s, normal law%s%s%s, impulses%s, advance%s\n",
+                impulses ? "look now, gather both, inside each contact" : "gather", friction ? ", friction law" : "",
+                memory ? " with memory" : "", rolling ? ", rolling law" : "", impulses ? " and moments" : "",
+                scene->time.energy ? ", energy books" : "");
     fprintf(file, "skipped:\n  search for contacts, until a body has moved %.3g m\n", 0.5 * contacts->skin);
     if (frictionless)
         fprintf(file, "  friction in %d kind%s of contact: frictionless\n", frictionless, frictionless > 1 ? "s" : "");

@@ -139,6 +139,8 @@ scree_status scree_scene_contacts(scree_scene *scene, scree_contact_state *state
     return SCREE_OK;
 }
 
+scree_effort scree_scene_effort(const scree_scene *scene) { return scene->effort; }
+
 double scree_scene_deepest(const scree_scene *scene, int *ball, int *host) {
     if (ball) *ball = scene->contacts.deepest_ball;
     if (host) *host = scene->contacts.deepest_host;

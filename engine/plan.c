@@ -1,5 +1,6 @@
 /* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
  * chosen from the stiffest contact that can happen. */
+#include "contact/grip.h"
 #include "engine/scene.h"
 
 #include <math.h>
@@ -452,7 +453,10 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
     if (status) return status;
     choice->automatic = time->step == 0.0;
     choice->step = choice->automatic ? automatic_step(scene) : time->step;
+    int adaptive = time->integrator == SCREE_ADAPTIVE;
+    if (adaptive && choice->automatic) choice->step = time->divide > 0.0 ? time->divide : 1e-3;
     scene->step = choice->step;
+    if (adaptive) return SCREE_OK; /* its own steps are as small as they must be */
     if (choice->step <= choice->limit || time->force) return SCREE_OK;
     return scree_report(
         &scene->trouble, SCREE_BAD_INPUT, "step",
@@ -573,11 +577,11 @@ static scree_status check_turning(struct scree_scene *scene) {
 
 /* Gap up to which contacts are listed. Wide where bodies are few (lists cost little, making them anew does), narrow
  * where they are many; and always beyond the reach of the laws, so that no list drops a contact that still holds. */
-static double choose_skin(const struct scree_bodies *bodies, double reach) {
+static double choose_skin(const struct scree_bodies *bodies, int few, double reach) {
     double thinnest = HUGE_VAL;
     for (int k = 0; k < bodies->count; k++) thinnest = fmin(thinnest, scree_shape_half_width(&bodies->shape[k]));
     if (!(thinnest < HUGE_VAL)) thinnest = 1.0;
-    return fmax((bodies->count <= 256 ? 1.0 : 0.4) * thinnest, 1.5 * reach);
+    return fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
 }
 
 static scree_status check_start_overlaps(struct scree_scene *scene) {
@@ -617,20 +621,33 @@ static scree_status keep_impulses(struct scree_scene *scene) {
     return status;
 }
 
+static scree_status prepare_adaptive(struct scree_scene *scene) {
+    for (int k = 0; k < scene->rules; k++) {
+        const char *law = scree_grip_refuses(&scene->rule[k]);
+        if (law)
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator",
+                                "the integrator \"adaptive\" can't follow the law \"%s\": its force jumps where the "
+                                "motion stops, or its memory has rules of its own; take another law, or \"verlet\"",
+                                law);
+    }
+    return scree_adaptive_create(scene);
+}
+
 static scree_status bake(struct scree_scene *scene) {
     scree_status status = make_bodies(scene);
     if (!status)
         status = scree_contacts_create(&scene->contacts, scene->defs, scene->materials, scene->rule, scene->rules,
                                        &scene->trouble);
+    if (!status && scene->time.integrator == SCREE_ADAPTIVE) status = prepare_adaptive(scene);
     if (status) return status;
     count_bodies(scene);
     status = plan_pairs_and_step(scene);
     int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE; /* the plan may have chosen it */
     if (!status && impulses) status = keep_impulses(scene);
     if (status) return status;
-    scene->contacts.skin = choose_skin(&scene->bodies, scene->plan.choice.reach);
+    scene->contacts.skin = choose_skin(&scene->bodies, scene->adaptive ? 16 : 256, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
-    scene->contacts.step = scene->step;
+    scene->contacts.step = scene->adaptive ? 0.0 : scene->step;
     status = scree_contacts_sort(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);

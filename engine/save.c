@@ -27,6 +27,8 @@ struct scalars {
     int deepest_ball, deepest_host, steepest_ball, steepest_host;
     int energy; /* the books were kept */
     struct scree_watched watched;
+    double inner_step;
+    scree_effort effort;
 };
 
 struct stream {
@@ -152,7 +154,11 @@ static uint64_t print_gravity(const scree_scene *scene) {
 }
 
 static uint64_t print_integrator(const scree_scene *scene) {
-    return (uint64_t)scene->time.integrator + ((uint64_t)scene->time.substeps << 8);
+    uint64_t hash = (uint64_t)scene->time.integrator + ((uint64_t)scene->time.substeps << 8);
+    if (scene->time.integrator != SCREE_ADAPTIVE) return hash;
+    HASH_ON(hash, scene->time.tolerance);
+    HASH_ON(hash, scene->time.no_flight);
+    return hash;
 }
 
 static struct prints prints_of(const scree_scene *scene) {
@@ -256,6 +262,8 @@ static struct scalars scalars_of(const scree_scene *scene) {
     struct scalars scalars;
     memset(&scalars, 0, sizeof scalars);
     scalars.steps = scene->steps;
+    scalars.inner_step = scene->inner_step;
+    scalars.effort = scene->effort;
     scalars.step = scene->step;
     scalars.energy = scene->time.energy;
     scalars.watched = scene->watched; /* two whole numbers, then doubles: no padding */
@@ -275,6 +283,8 @@ static struct scalars scalars_of(const scree_scene *scene) {
 static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
     struct scree_contacts *contacts = &scene->contacts;
     scene->steps = scalars->steps;
+    scene->inner_step = scalars->inner_step;
+    scene->effort = scalars->effort;
     scene->step = scene->plan.choice.step = scalars->step;
     scene->watched = scalars->watched;
     scene->driven = scalars->driven;

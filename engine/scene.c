@@ -22,6 +22,7 @@ void scree_scene_destroy(scree_scene *scene) {
     scree_names_free(&scene->names);
     free(scene->plan.trial);
     free(scene->checkpoint.state);
+    scree_adaptive_destroy(scene);
     scree_bodies_free_shadow(&scene->shadow);
     scree_bodies_destroy(&scene->bodies);
     scree_contacts_destroy(&scene->contacts);
@@ -316,10 +317,13 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
     if (def->accuracy != 0.0 && def->step != 0.0)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
                             "accuracy finds the step, so that a step can't be given with it; leave one of them out");
+    if (def->accuracy != 0.0 && def->integrator == SCREE_ADAPTIVE)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
+                            "accuracy finds a fixed step; the integrator adaptive has a tolerance instead");
     if (def->any_integrator && def->accuracy == 0.0)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "any_integrator",
                             "the integrator is chosen by an accuracy, and none is asked for");
-    if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE)
+    if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE && def->integrator != SCREE_ADAPTIVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
                             (int)def->integrator);
     if (def->substeps < 0 || def->substeps > 64 || (def->substeps && def->integrator != SCREE_PAIR_IMPULSE))
@@ -329,11 +333,22 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
     if (def->watch != SCREE_WATCH_STOP && def->watch != SCREE_WATCH_HALVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "watch", "there is no watch of number %d",
                             (int)def->watch);
+    int adaptive = def->integrator == SCREE_ADAPTIVE;
+    if (def->tolerance != 0.0 && !(adaptive && def->tolerance >= 1e-13 && def->tolerance <= 1e-3))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "tolerance",
+                            "tolerance must be 1e-13 to 1e-3 and belongs to the integrator adaptive, got %g",
+                            def->tolerance);
+    if (adaptive && def->watch == SCREE_WATCH_HALVE)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "watch",
+                            "the watch halves fixed steps; the integrator adaptive chooses its own by its tolerance");
+    if (def->no_flight && !adaptive)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "flight", "flight belongs to the integrator adaptive");
     if (def->threads < 0 || def->threads > 1024)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
                             def->threads);
     scene->time = *def;
     scene->time.energy |= def->watch == SCREE_WATCH_HALVE; /* so that writing them down changes nothing */
+    if (adaptive && def->tolerance == 0.0) scene->time.tolerance = 1e-10;
     return SCREE_OK;
 }
 

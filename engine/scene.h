@@ -89,6 +89,9 @@ struct scree_scene {
     struct scree_watched watched;
     struct scree_checkpoint checkpoint;
     scree_halving halving[SCREE_HALVINGS];
+    struct scree_adaptive *adaptive; /* NULL with other integrators */
+    scree_effort effort;
+    double inner_step; /* s: that the adaptive integrator tries next; 0: none yet */
 };
 
 /* Steps without and with the watch that halves the step. */
@@ -106,6 +109,17 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy);
 
 /* Effective radius of two bodies for their laws, whichever of them is the ball: the rounder one of two boxes; m. */
 double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j);
+
+/* Report that the run went wrong in body `body` (and `other`, -1: none) at `time`; SCREE_FAILED. */
+scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, int other, const char *cause);
+
+/* Stop if some overlap has grown too large. */
+scree_status scree_check_depth(struct scree_scene *scene, double time);
+
+/* The adaptive integrator (adaptive.h): make and free it; one step of the scene. */
+scree_status scree_adaptive_create(struct scree_scene *scene);
+void scree_adaptive_destroy(struct scree_scene *scene);
+scree_status scree_adaptive_step(struct scree_scene *scene);
 
 /* Name of body number k for messages. */
 static inline const char *scree_name(const struct scree_scene *scene, int k) {

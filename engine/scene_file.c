@@ -513,10 +513,36 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
     if (!r->status) check(r, scree_scene_add_body(into(r)->scene, &def, NULL), table);
 }
 
+/* The largest whole share of `every`, down to a thousandth, of which `end` is a whole multiple. 1e-9: the quotient of two numbers
+ * given in decimals. */
+static double whole_share(double end, double every) {
+    for (int parts = 1; parts < 1000; parts++) {
+        double times = end / every * parts;
+        if (fabs(times - floor(times + 0.5)) <= 1e-9 * times) return every / parts;
+    }
+    return every / 1000.0;
+}
+
+/* tolerance and flight, of the adaptive integrator. */
+static void read_adaptive(struct scree_reader *r, const struct scree_toml *table, scree_time_def *def) {
+    const struct scree_toml *tolerance = scree_toml_get(table, "tolerance"), *flight = scree_toml_get(table, "flight");
+    if (def->integrator != SCREE_ADAPTIVE) {
+        const struct scree_toml *stray = tolerance ? tolerance : flight;
+        if (stray)
+            scree_complain(r, stray, "%s goes with integrator = \"adaptive\"; it would be without effect",
+                           tolerance ? "tolerance" : "flight");
+        return;
+    }
+    def->tolerance = scree_read_number(r, table, "tolerance", 1e-10);
+    if (tolerance && !(def->tolerance >= 1e-13 && def->tolerance <= 1e-3))
+        scree_complain(r, tolerance, "tolerance must be 1e-13 to 1e-3, got %g", def->tolerance);
+    def->no_flight = flight && !scree_read_boolean(r, table, "flight");
+}
+
 static void read_time(struct scree_reader *r) {
-    static const char *const keys[] = {"end",   "step",  "accuracy", "integrator", "substeps",
-                                       "speed", "force", "watch",    "threads",    NULL};
-    static const char *const integrators[] = {"verlet", "pair-impulse", NULL};
+    static const char *const keys[] = {"end",   "step",  "accuracy", "integrator", "substeps", "speed",
+                                       "force", "watch", "threads",  "tolerance",  "flight",   NULL};
+    static const char *const integrators[] = {"verlet", "pair-impulse", "adaptive", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {
         scree_complain(r, NULL, "the scene needs a table [time] with its end (s)");
@@ -550,6 +576,8 @@ static void read_time(struct scree_reader *r) {
                        def.accuracy);
     def.any_integrator = accuracy && !integrator;
     if (integrator) def.integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
+    if (def.integrator == SCREE_ADAPTIVE) def.divide = whole_share(into(r)->end, def.divide);
+    read_adaptive(r, table, &def);
     const struct scree_toml *substeps = scree_toml_get(table, "substeps");
     double pieces = substeps ? scree_read_number(r, table, "substeps", 0.0) : 0.0;
     if (substeps && def.integrator != SCREE_PAIR_IMPULSE)

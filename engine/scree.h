@@ -40,6 +40,7 @@ typedef enum scree_integrator {
     SCREE_VERLET = 0,   /* position Verlet with predicted velocities; second order */
     SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more digits
                            from the same step for damped contacts, at several times the cost; second order */
+    SCREE_ADAPTIVE, /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */
 } scree_integrator;
 
 /* What becomes of a run that goes wrong (scree_scene_step says when). */
@@ -53,7 +54,8 @@ typedef enum scree_watch {
 
 typedef struct scree_time_def {
     double step;   /* s; 0: chosen from the stiffest possible contact (1/50 of its duration), less so that
-                     `divide` is a whole number of steps */
+                     `divide` is a whole number of steps. SCREE_ADAPTIVE chooses its own steps within this one: 0 makes it
+                     `divide`, the time between rows */
     double divide; /* s; 0: no such wish */
     /* Instead of a step: the largest error of a rebound velocity (normal, and of the contact point sideways) of one impact of a
      * sphere, in parts of the impact speed, over phases of first touch; 1e-6 to 0.1, 0: no such wish. Trial impacts at
@@ -62,8 +64,10 @@ typedef struct scree_time_def {
     scree_integrator integrator;
     int any_integrator; /* with `accuracy`: take whichever of Verlet and pair impulses needs less time for it */
     int substeps;       /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64; 0: 1, with friction 2 */
-    double speed; /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
-    int force;    /* accept a step beyond the stability limit */
+    double speed;     /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
+    double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
+    int no_flight; /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at once */
+    int force;     /* accept a step beyond the stability limit */
     scree_watch watch;
     int threads; /* 0: 1 */
     int energy;  /* keep the energy books (scree_scene_energy) */
@@ -166,6 +170,13 @@ SCREE_API double scree_scene_deepest(const scree_scene *scene, int *ball, int *h
 /* Largest product so far of step, normal force, inverse mass and slope of a velocity-regularised friction law: beyond
  * 1 friction overshoots within a step and the sliding velocity chatters about zero. 0 without such laws. */
 SCREE_API double scree_scene_steepest(const scree_scene *scene, int *ball, int *host);
+
+/* What SCREE_ADAPTIVE has done so far: steps within the scene's own ones, those that were tried in vain, events (touch, end of contact, stick
+ * to slip, changes of a law), evaluations of all forces, flights in closed form. Zero with other integrators. */
+typedef struct scree_effort {
+    long steps, rejected, events, evaluations, flights;
+} scree_effort;
+SCREE_API scree_effort scree_scene_effort(const scree_scene *scene);
 
 /* 64-bit hash (FNV-1a) of the state: steps, positions, velocities, angular momenta, attitudes, contact memory. */
 SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);

@@ -8,9 +8,7 @@ double scree_scene_time(const scree_scene *scene) { return (double)scene->steps 
 double scree_scene_step_length(const scree_scene *scene) { return scene->step; }
 long scree_scene_steps(const scree_scene *scene) { return scene->steps; }
 
-/* Report that the run went wrong in body `body` (and `other`, -1: none) now. */
-static scree_status stop(scree_scene *scene, int body, int other, const char *cause) {
-    double time = scree_scene_time(scene);
+scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, int other, const char *cause) {
     char with[160] = "";
     if (other >= 0) snprintf(with, sizeof with, " with \"%.120s\"", scree_name(scene, other));
     scree_report(&scene->trouble, SCREE_FAILED, NULL, "stopped at t = %.9g s: body \"%s\"%s: %s", time,
@@ -19,6 +17,10 @@ static scree_status stop(scree_scene *scene, int body, int other, const char *ca
     scene->trouble.body = body;
     scene->trouble.other = other;
     return SCREE_FAILED;
+}
+
+static scree_status stop(scree_scene *scene, int body, int other, const char *cause) {
+    return scree_scene_stop(scene, scree_scene_time(scene), body, other, cause);
 }
 
 static int is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
@@ -55,7 +57,7 @@ static scree_status renew_list(scree_scene *scene) {
     return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
-static scree_status check_depth(scree_scene *scene) {
+scree_status scree_check_depth(struct scree_scene *scene, double time) {
     const struct scree_contacts *contacts = &scene->contacts;
     if (contacts->deepest <= 1.0) return SCREE_OK;
     char cause[160];
@@ -64,7 +66,7 @@ static scree_status check_depth(scree_scene *scene) {
     snprintf(cause, sizeof cause,
              "overlap of %.3g m, beyond half a half-width (%.3g m): too soft, too fast or too long a step",
              contacts->deepest * limit, limit);
-    return stop(scene, contacts->deepest_ball, contacts->deepest_host, cause);
+    return scree_scene_stop(scene, time, contacts->deepest_ball, contacts->deepest_host, cause);
 }
 
 /* Work of the drives on their bodies during the step, and of gravity's tilting. */
@@ -98,7 +100,7 @@ static scree_status step_by_impulses(scree_scene *scene) {
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance_by_moments(bodies, time, step, gravity);
     scene->steps++;
-    return check_depth(scene);
+    return scree_check_depth(scene, scree_scene_time(scene));
 }
 
 /* From time to time the bodies are put in order; when, is a function of the state. */
@@ -135,6 +137,7 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
 static scree_status step_once(scree_scene *scene, int more) {
     scree_status status = keep_order(scene);
     if (status) return status;
+    if (scene->time.integrator == SCREE_ADAPTIVE) return scree_adaptive_step(scene);
     if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
     double gravity[3];
     scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
@@ -144,7 +147,7 @@ static scree_status step_once(scree_scene *scene, int more) {
     }
     act_and_advance(scene, gravity, more);
     scene->steps++;
-    return check_depth(scene);
+    return scree_check_depth(scene, scree_scene_time(scene));
 }
 
 scree_status scree_scene_step(scree_scene *scene, long steps) {

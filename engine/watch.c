@@ -131,11 +131,8 @@ static void halve_bodies(struct scree_bodies *bodies) {
 static void halve_contacts(struct scree_contacts *contacts) {
     for (int b = 0; b < contacts->batches; b++) {
         struct scree_batch *batch = &contacts->batch[b];
-        for (int k = 0; batch->impulses && k < batch->count; k++)
-            for (int axis = 0; axis < 3; axis++) {
-                double(*past)[SCREE_LANES] = batch->past[k / SCREE_LANES];
-                halve_past(&past[axis][k % SCREE_LANES], &past[3 + axis][k % SCREE_LANES]);
-            }
+        for (int k = batch->impulses ? scree_first(batch) : -1; k >= 0; k = scree_next(batch, k))
+            for (int axis = 0; axis < 3; axis++) halve_past(&batch->past[axis][k], &batch->past[3 + axis][k]);
     }
 }
 
@@ -158,6 +155,7 @@ static scree_status halve(scree_scene *scene) {
     if (status) return status;
     struct scree_watched *watched = &scene->watched;
     scene->step = scene->plan.choice.step = 0.5 * scene->step;
+    scene->contacts.step = scene->step;
     scene->steps *= 2;
     halve_bodies(&scene->bodies);
     halve_contacts(&scene->contacts);

@@ -1,5 +1,6 @@
 /* scree check: validate a scene file and print its plan. */
 #include "engine/cli/cli.h"
+#include "engine/scene.h"
 #include "engine/scene_file.h"
 
 static const char help[] = "usage: scree check SCENE [--set KEY=VALUE …] [--threads N]\n"
@@ -33,7 +34,8 @@ int cli_check(int count, char **words) {
     else {
         if (request.title[0]) printf("%s\n", scree_shown(request.title).text);
         scree_scene_describe(scene, stdout);
-        printf("end: %.9g s, %ld steps\n", request.end, scree_steps_to(scene, request.end));
+        printf("end: %.9g s, %ld steps%s\n", request.end, scree_steps_to(scene, request.end),
+               scene->time.integrator == SCREE_ADAPTIVE ? ", and within them as many as it takes" : "");
     }
     scree_scene_destroy(scene);
     scree_free_request(&request);

@@ -37,6 +37,7 @@ struct run {
     scree_trouble trouble;
     int quiet;
     time_t shown;
+    scree_effort before; /* what came with a state */
     /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside it. */
     double largest, worst, worst_time;
     int halvings; /* told so far */
@@ -151,6 +152,13 @@ static void warn_of_chatter(const scree_scene *scene) {
 
 static void warn_of_books(const struct run *run) {
     if (run->worst <= tolerable_gap) return;
+    if (run->scene->time.integrator == SCREE_ADAPTIVE) {
+        cli_complain(
+            "warning: the energy books lack %.3g %% of what was turned over (worst at t = %.6g s): the result is "
+            "wrong by as much; a smaller tolerance than %.3g avoids it",
+            100.0 * run->worst, run->worst_time, run->scene->time.tolerance);
+        return;
+    }
     cli_complain("warning: the energy books lack %.3g %% of what was turned over (worst at t = %.6g s): the result "
                  "is wrong by as much; a smaller step than %.3g s or step = \"auto\" avoids it",
                  100.0 * run->worst, run->worst_time, scree_scene_step_length(run->scene));
@@ -160,7 +168,7 @@ static void warn_of_books(const struct run *run) {
 static void warn_of_coarse_step(const struct run *run) {
     const struct scree_step_choice *choice = &run->scene->plan.choice;
     double step = scree_scene_step_length(run->scene);
-    if (!(step > choice->duration / 10.0)) return;
+    if (!(step > choice->duration / 10.0) || run->scene->time.integrator == SCREE_ADAPTIVE) return;
     cli_complain("warning: the step of %.3g s is more than a tenth of the shortest contact that can happen (%.3g s, "
                  "\"%s\" with \"%s\"): impacts come out wrong by percents",
                  step, choice->duration, scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[0])).text,
@@ -178,11 +186,24 @@ static void warn_of_haste(const struct run *run) {
                  scene->hasty);
 }
 
+static void summarise_effort(const struct run *run, double seconds) {
+    scree_effort effort = scree_scene_effort(run->scene);
+    fprintf(stderr,
+            "%ld adaptive steps in %.3g s, %ld more tried in vain; %ld events, %ld flights in closed form; all forces "
+            "evaluated %ld times\n",
+            effort.steps - run->before.steps, seconds, effort.rejected - run->before.rejected,
+            effort.events - run->before.events, effort.flights - run->before.flights,
+            effort.evaluations - run->before.evaluations);
+}
+
 static void summarise(const struct run *run, const char *folder, double seconds, long steps) {
     int ball, host;
     double deepest = scree_scene_deepest(run->scene, &ball, &host);
-    fprintf(stderr, "%ld steps of %.6g s in %.3g s (%.3g steps/s)\n", steps, scree_scene_step_length(run->scene),
-            seconds, (double)steps / (seconds > 0.0 ? seconds : 1e-9));
+    if (run->scene->time.integrator == SCREE_ADAPTIVE)
+        summarise_effort(run, seconds);
+    else
+        fprintf(stderr, "%ld steps of %.6g s in %.3g s (%.3g steps/s)\n", steps, scree_scene_step_length(run->scene),
+                seconds, (double)steps / (seconds > 0.0 ? seconds : 1e-9));
     if (ball >= 0)
         fprintf(stderr, "deepest overlap: %.3g of the tolerable, \"%s\" with \"%s\"\n", deepest,
                 scree_shown(scree_scene_body_name(run->scene, ball)).text,
@@ -244,6 +265,7 @@ static scree_status run_loaded(struct run *run, const char *folder, const char *
         return status;
     }
     struct timespec start, end;
+    run->before = scree_scene_effort(run->scene);
     long before = scree_scene_steps(run->scene);
     int halved = scree_scene_halvings(run->scene);
     clock_gettime(CLOCK_MONOTONIC, &start);

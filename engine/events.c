@@ -1,0 +1,268 @@
+/* Events of the adaptive integrator: where a law changes within a step, and clocks that make the change smooth. */
+#include "engine/adaptive.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { TRIES = 60 };
+
+/* Rounding of an overlap, m: those below are zero. */
+static double rounding_of(const struct scree_scene *scene, const struct scree_grip *grip) {
+    const struct scree_record *ball = &scene->bodies.record[grip->contact.ball];
+    const struct scree_record *host = &scene->bodies.record[grip->contact.host];
+    double size = vec_norm(vec_from(ball->x)) + ball->radius;
+    if (grip->geometry != SCREE_BALL_PLANE) size += vec_norm(vec_from(host->x)) + host->radius;
+    return 4.5e-16 * size;
+}
+
+/* How far below zero a switch function is still zero. */
+static double nothing(const struct scree_scene *scene, const struct scree_grip *grip, int which) {
+    return which == SCREE_SWITCH_OVERLAP ? rounding_of(scene, grip) : fmax(1e-3 * scene->time.tolerance, 1e-13);
+}
+
+/* ---- switch functions ---- */
+
+/* Views a little sooner and later along the motion. Returns the time between them, 0 if there is none. */
+static double look_around(struct scree_scene *scene, const double *y, const double *rates) {
+    struct scree_adaptive *a = scene->adaptive;
+    double little = HUGE_VAL, *elsewhere = a->work.stage;
+    int needed = 0;
+    for (int k = 0; k < a->grips; k++) {
+        const struct scree_grip *grip = &a->grip[k];
+        if (!scree_grip_needs_rates(grip)) continue;
+        needed = 1;
+        little = fmin(little, 1e-5 * grip->depth / grip->speed);
+    }
+    if (!needed) return 0.0;
+    if (a->clock >= 0 && !(fabs(rates[Y_TIME]) > 0.0)) return 0.0;
+    double by = little / rates[Y_TIME];
+    if (a->clock >= 0) by = copysign(fmin(fabs(by), 1e-5 * y[Y_CLOCK]), by);
+    struct scree_grip_view *now = a->view;
+    for (int side = 0; side < 2; side++) {
+        double shift = side ? by : -by;
+        for (size_t i = 0; i < a->work.size; i++) elsewhere[i] = y[i] + shift * rates[i];
+        a->view = side ? a->later : a->sooner;
+        scree_adaptive_rates(scene, elsewhere, a->work.end);
+    }
+    a->view = now;
+    scree_adaptive_place(scene, y);
+    return 2.0 * by * rates[Y_TIME];
+}
+
+void scree_adaptive_switches(struct scree_scene *scene, const double *y, const double *rates,
+                             double (*value)[SCREE_SWITCHES]) {
+    struct scree_adaptive *a = scene->adaptive;
+    double apart = look_around(scene, y, rates);
+    for (int k = 0; k < a->grips; k++) {
+        int around = apart > 0.0;
+        scree_grip_switches(&a->grip[k], &a->view[k], around ? &a->sooner[k] : NULL, around ? &a->later[k] : NULL,
+                            apart, value[k]);
+    }
+}
+
+int scree_adaptive_begin(struct scree_scene *scene) {
+    struct scree_adaptive *a = scene->adaptive;
+    int begun = 0;
+    for (int k = 0; k < a->grips; k++) {
+        struct scree_grip *grip = &a->grip[k];
+        const struct scree_grip_view *view = &a->view[k];
+        if (grip->state != SCREE_GRIP_APART || !(view->closing > 0.0)) continue;
+        if (view->overlap < -rounding_of(scene, grip)) continue;
+        scree_adaptive_claim(a, k);
+        scree_grip_switch(grip, SCREE_SWITCH_OVERLAP, view, scree_adaptive_memory(a, k));
+        begun++;
+    }
+    scene->effort.events += begun;
+    return begun;
+}
+
+/* ---- locating ---- */
+
+/* The step repeated with length h: rates, views and switch functions at its end, the last into `value`. */
+static void repeat(struct scree_scene *scene, double h) {
+    struct scree_adaptive *a = scene->adaptive;
+    scree_dop853_step(&a->work, scree_adaptive_rates, scene, a->y, h);
+    memcpy(a->arrived, a->work.end, a->work.size * sizeof *a->arrived);
+    a->every = 1;
+    scree_adaptive_rates(scene, a->arrived, a->next);
+    a->every = 0;
+    scree_adaptive_switches(scene, a->arrived, a->next, a->value);
+}
+
+struct event {
+    int grip, which;
+};
+
+/* The switch function that has fallen below zero furthest, as far as one can tell from both ends: the first of all; grip -1: none. */
+static struct event first_event(const struct scree_scene *scene) {
+    const struct scree_adaptive *a = scene->adaptive;
+    struct event event = {-1, 0};
+    double soonest = HUGE_VAL;
+    for (int k = 0; k < a->grips; k++) {
+        for (int w = 0; w < SCREE_SWITCHES; w++) {
+            double end = a->value[k][w], begin = fmax(a->before[k][w], 0.0);
+            if (!(end < -nothing(scene, &a->grip[k], w))) continue;
+            double when = begin / (begin - end);
+            if (when >= soonest) continue;
+            soonest = when;
+            event = (struct event){k, w};
+        }
+    }
+    return event;
+}
+
+/* Shorten the step to where one switch function, negative at its end, is zero: inverse quadratic interpolation with bisection
+ * as Chandrupatla (Adv. Eng. Softw. 28 (1997) 145) chooses between them. A function that starts at zero counts from where it is
+ * positive; if it is nowhere, the event is at the start. Returns the length. */
+static double locate(struct scree_scene *scene, struct event event, double h) {
+    struct scree_adaptive *a = scene->adaptive;
+    double small = nothing(scene, &a->grip[event.grip], event.which), *value = &a->value[event.grip][event.which];
+    double low = 0.0, at_low = a->before[event.grip][event.which], high = h, at_high = *value;
+    for (int k = 0; k < 12 && !(at_low > small); k++) {
+        double part = 0.25 * high;
+        repeat(scene, part);
+        if (*value > small) {
+            low = part;
+            at_low = *value;
+        } else if (*value < -small) {
+            high = part;
+            at_high = *value;
+        } else { /* as good as zero, and later it is below: here */
+            return part;
+        }
+    }
+    if (!(at_low > small)) return 0.0;
+    double x1 = high, f1 = at_high, x2 = low, f2 = at_low, x3 = low, f3 = at_low, t = f1 / (f1 - f2);
+    t = fmin(fmax(t, 1e-3), 1.0 - 1e-3);
+    for (int k = 0; k < TRIES; k++) {
+        double x = x1 + t * (x2 - x1);
+        repeat(scene, x);
+        double f = *value;
+        if ((f > 0.0) == (f1 > 0.0)) {
+            x3 = x1;
+            f3 = f1;
+        } else {
+            x3 = x2;
+            f3 = f2;
+            x2 = x1;
+            f2 = f1;
+        }
+        x1 = x;
+        f1 = f;
+        if (fabs(f1) <= 0.25 * small || fabs(x2 - x1) <= 4e-16 * fabs(h)) return x1;
+        double xi = (x1 - x2) / (x3 - x2), phi = (f1 - f2) / (f3 - f2);
+        t = 0.5;
+        if (phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi)
+            t = f1 / (f2 - f1) * (f3 / (f2 - f3)) + (x3 - x1) / (x2 - x1) * (f1 / (f3 - f1)) * (f2 / (f3 - f2));
+        double least = 1e-16 * fabs(h / (x2 - x1));
+        t = fmin(fmax(t, least), 1.0 - least);
+    }
+    return x1;
+}
+
+/* Near the border of sticking and slipping rounding decides between them, again and again: one step then goes on with what it has. */
+static void note_slide(struct scree_grip *grip, int way, double time) {
+    if (fabs(time - grip->since[way]) < 1e-4 * grip->depth / grip->speed) grip->wary[way] = 2;
+    grip->since[way] = time;
+}
+
+/* Make the changes whose switch functions are zero at the end of the step. */
+static void change(struct scree_scene *scene, struct event event, const int *due, double *y) {
+    struct scree_adaptive *a = scene->adaptive;
+    for (int k = 0; k < a->grips; k++) {
+        for (int w = 0; w < SCREE_SWITCHES; w++) {
+            int same = k == event.grip && w == event.which;
+            int also = due[k] >> w & 1 && a->value[k][w] <= 4.0 * nothing(scene, &a->grip[k], w);
+            if (!same && !also) continue;
+            if (a->grip[k].state == SCREE_GRIP_APART) scree_adaptive_claim(a, k);
+            scree_grip_switch(&a->grip[k], (enum scree_switch)w, &a->view[k], y + a->place[k]);
+            if (w >= SCREE_SWITCH_SLIDE) note_slide(&a->grip[k], w - SCREE_SWITCH_SLIDE, y[Y_TIME]);
+            scene->effort.events++;
+            break; /* the others belonged to the phase that is over */
+        }
+    }
+}
+
+int scree_adaptive_event(struct scree_scene *scene, double *h) {
+    struct scree_adaptive *a = scene->adaptive;
+    struct event event = first_event(scene), none = {-1, 0};
+    if (event.grip < 0) return 0;
+    for (int k = 0; k < a->grips; k++) {
+        a->due[k] = 0;
+        for (int w = 0; w < SCREE_SWITCHES; w++)
+            if (a->value[k][w] < -nothing(scene, &a->grip[k], w)) a->due[k] |= 1 << w;
+    }
+    for (struct event next = event; next.grip >= 0 && *h != 0.0;) {
+        event = next;
+        *h = locate(scene, event, *h);
+        if (*h == 0.0) break;
+        next = first_event(scene);
+        if (next.grip == event.grip && next.which == event.which) next = none;
+    }
+    if (*h == 0.0) {
+        memcpy(a->arrived, a->y, a->work.size * sizeof *a->y);
+        a->every = 1;
+        scree_adaptive_rates(scene, a->arrived, a->next);
+        a->every = 0;
+        memcpy(a->value, a->before, (size_t)a->grips * sizeof *a->value);
+    }
+    change(scene, event, a->due, a->arrived);
+    return 1;
+}
+
+/* ---- clocks ---- */
+
+static double root_of(double x, int root) { return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : x; }
+
+/* Where forces set in or end like a root of the overlap, that root is the variable in which all is smooth: near the begin up to
+ * about 0.45 of the contact's scale (p = 2; 0.7 for p = 4), near the end, if the overlap decides it, all the way down. */
+static int suits(const struct scree_grip *grip, const struct scree_grip_view *view, int runs, int *parting) {
+    if (grip->state != SCREE_GRIP_HELD) return 0;
+    double share = (grip->root == 4 ? 0.24 : 0.2) * (runs ? 1.0 : 0.5); /* to begin with it must pay */
+    *parting = view->closing < 0.0;
+    if (!*parting) return grip->root > 1 && view->closing > 0.3 * grip->speed && view->overlap < share * grip->depth;
+    int lets_go = grip->normal->cut && grip->normal->root > 0; /* before the overlap ends */
+    double left = view->overlap + grip->reach;
+    double near = grip->reach > 0.0 ? 0.2 * grip->reach : 0.2 * grip->depth * -view->closing / grip->speed;
+    return !lets_go && left < near && left > 0.0;
+}
+
+int scree_adaptive_clock(struct scree_scene *scene, double left) {
+    struct scree_adaptive *a = scene->adaptive;
+    int best = -1, parting = 0, before = a->clock;
+    double least = HUGE_VAL, fastest = 0.0;
+    for (int k = 0; k < a->grips; k++)
+        if (a->grip[k].state == SCREE_GRIP_HELD) fastest = fmax(fastest, a->grip[k].speed);
+    for (int k = 0; k < a->grips && !a->banned; k++) {
+        const struct scree_grip *grip = &a->grip[k];
+        int parts;
+        if (grip->speed < 1e-2 * fastest) continue; /* others push it: its own speed is no measure of time */
+        if (!suits(grip, &a->view[k], k == before, &parts)) continue;
+        double share = (a->view[k].overlap + (parts ? grip->reach : 0.0)) / grip->depth;
+        if (share >= least) continue;
+        least = share;
+        best = k;
+        parting = parts;
+    }
+    if (best < 0) {
+        a->clock = -1;
+        a->y[Y_CLOCK] = 0.0;
+        return before >= 0;
+    }
+    const struct scree_grip *grip = &a->grip[best];
+    double share = grip->root == 4 ? 0.24 : 0.2, offset = parting ? grip->reach : 0.0;
+    double way = parting ? a->view[best].overlap + offset : share * grip->depth - a->view[best].overlap;
+    if (best == before && parting == a->parting) return 0;
+    if (2.0 * way > left * fabs(a->view[best].closing)) { /* the step of the scene ends before */
+        a->clock = -1;
+        a->y[Y_CLOCK] = 0.0;
+        return before >= 0;
+    }
+    a->clock = best;
+    a->parting = parting;
+    a->root = parting ? grip->end_root : grip->root;
+    a->offset = offset;
+    a->goal = parting ? 0.0 : root_of(share * grip->depth, a->root);
+    a->y[Y_CLOCK] = root_of(fmax(a->view[best].overlap + offset, 0.0), a->root);
+    return 1;
+}
