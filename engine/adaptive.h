@@ -2,7 +2,8 @@
  * method of order 8 (dop853.h) to a tolerance, and stopped wherever a law changes.
  *
  *   course.c    the course of a step of the scene
- *   adaptive.c  unknowns, rates, contacts, the size of an error
+ *   adaptive.c  unknowns, rates, contacts
+ *   misfit.c    the size of an error
  *   events.c    what ends a step early: switch functions (contact/grip.h), located on the step; clocks of pairs
  *   flight.c    nothing touches: straight to the next possible touch
  *
@@ -19,6 +20,9 @@
 
 /* The first unknowns; then come the bodies', then the contacts'. */
 enum { Y_TIME, Y_CLOCK, Y_WORK, Y_RUBBED, Y_DRIVEN, Y_BODIES }; /* the three books measured as one */
+
+/* Numbers of a body: position, velocity, angular momentum, attitude. */
+enum { OF_X = 0, OF_V = 3, OF_L = 6, OF_Q = 9, BALL_SIZE = 9, GENERAL_SIZE = 13 };
 
 /* How the error of a body is measured. */
 struct scree_measure {
@@ -61,6 +65,12 @@ static inline double scree_adaptive_power(double s, int power) {
     double y = 1.0;
     for (int k = 0; k < power; k++) y *= s;
     return y;
+}
+
+/* How many unknowns the memory of a contact takes. */
+static inline int scree_adaptive_memory_size(const struct scree_grip *grip) {
+    return (grip->friction && grip->friction->memory) || (grip->rolling && grip->rolling->memory) ? SCREE_GRIP_MEMORY
+                                                                                                  : 0;
 }
 
 /* Where the contact's memory is. */
