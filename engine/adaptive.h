@@ -58,6 +58,7 @@ struct scree_adaptive {
     double offset, goal;    /* value of s at which that clock stops */
     int every;              /* rates also look at contacts that are apart */
     int worst;              /* body with the largest error of the last step */
+    int stalled;            /* events one after the other at one instant */
     double tick;            /* length of the next step by the clock, in its unit */
 };
 
@@ -105,7 +106,7 @@ double scree_adaptive_error(struct scree_scene *scene, double time);
 /* Rates, views and switch functions at the start of a step, after something has changed. */
 void scree_adaptive_look(struct scree_scene *scene);
 
-/* Integrate attitudes alone, for so many seconds in which nothing touches; nonzero if that can't be done. */
+/* Integrate attitudes alone, for so many seconds in which nothing touches; nonzero, and reported, if that can't be done. */
 int scree_adaptive_turn(struct scree_scene *scene, double time);
 
 /* ---- events.c ---- */

@@ -250,6 +250,11 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
         a->before = a->value;
         a->value = value;
     }
+    a->stalled = time > 0.0 ? 0 : a->stalled + 1;
+    if (a->stalled > 300)
+        return scree_scene_stop(scene, a->start + a->y[Y_TIME], a->worst, -1,
+                                "contacts near it change to and fro without end, and time doesn't pass; its laws jump "
+                                "where they should be continuous");
     return scree_check_depth(scene, a->start + a->y[Y_TIME]);
 }
 
@@ -311,7 +316,10 @@ int scree_adaptive_turn(struct scree_scene *scene, double time) {
         scree_dop853_step(&a->work, scree_adaptive_rates, scene, a->y, taken);
         double error = scree_adaptive_error(scene, taken);
         int good = error <= 1.0;
-        if (!good && ++tries > 1000) return -1;
+        if (!good && ++tries > 1000) {
+            give_up(scene, taken);
+            return -1;
+        }
         h = taken * (error > 0.0 ? fmin(fmax(0.9 * scree_pow(error, -0.125), 0.1), 6.0) : good ? 6.0 : 0.1);
         scene->effort.steps += good;
         scene->effort.rejected += !good;
@@ -328,7 +336,7 @@ int scree_adaptive_turn(struct scree_scene *scene, double time) {
     return 0;
 }
 
-/* Where nothing touches and only gravity acts. 1: flown, 0: not worth it, -1: no memory for the list. */
+/* Where nothing touches and only gravity acts. 1: flown, 0: not worth it, -1: it went wrong, as reported. */
 static int fly(struct scree_scene *scene, struct course *c) {
     struct scree_adaptive *a = scene->adaptive;
     if (scene->time.no_flight || !scree_adaptive_can_fly(scene) || touching(a)) return 0;
