@@ -71,6 +71,22 @@ static void begin_sideways(struct scree_grip *grip, const struct scree_grip_view
     if (speed > 0.0 && damping == 0.0) vec_store(vec_scale(1e-3 * grip->depth / speed, view->slip), memory);
 }
 
+/* Under no load yet a slider bears nothing: it slips, wherever a dashpot would push or a spring be stretched at once. What should stick
+ * all the same does at the next look. */
+static void take_hold(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
+    memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
+    memset(grip->slips, 0, sizeof grip->slips);
+    double speed = vec_norm(view->slip);
+    if (scree_grip_is_slider(grip, SCREE_GRIP_FRICTION) && speed > 0.0) {
+        double damping = grip->friction->damping(&grip->rule->friction_constants, grip->of_friction, grip->depth);
+        grip->slips[SCREE_GRIP_FRICTION] = 1;
+        if (damping == 0.0) vec_store(vec_scale(1e-3 * grip->depth / speed, view->slip), memory);
+    }
+    int damped = grip->rolling && grip->rolling->damping(&grip->rule->rolling_constants) > 0.0;
+    for (int way = SCREE_GRIP_ROLLING; way < SCREE_GRIP_WAYS; way++)
+        grip->slips[way] = damped && scree_grip_is_slider(grip, way);
+}
+
 static void begin(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     grip->state = SCREE_GRIP_HELD;
     grip->approaching = view->closing >= 0.0;
@@ -167,7 +183,7 @@ static double slip_rate(const struct scree_grip *grip, int way, const struct scr
     if (!(force > 0.0)) along = vec_norm(view->velocity[way]);
     double rate = view->stiffness[way] * along;
     rate -= (later->slides[way] - sooner->slides[way]) / apart;
-    int in_stretch = way != SCREE_GRIP_FRICTION || grip->friction->slider;
+    int in_stretch = way != SCREE_GRIP_FRICTION || !grip->friction->in_force;
     if (in_stretch && view->stiffness[way] > 0.0)
         rate += view->slides[way] * (later->stiffness[way] - sooner->stiffness[way]) / apart / view->stiffness[way];
     return rate;
@@ -235,8 +251,10 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
     case SCREE_SWITCH_FORCE:
         if (grip->state == SCREE_GRIP_HELD)
             end(grip, SCREE_GRIP_SPENT, memory);
-        else
+        else {
             grip->state = SCREE_GRIP_HELD;
+            take_hold(grip, view, memory);
+        }
         grip->approaching = view->closing >= 0.0;
         break;
     case SCREE_SWITCH_TURN:
@@ -244,8 +262,7 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
         break;
     case SCREE_SWITCH_PULL:
         grip->pulling = !grip->pulling;
-        memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
-        memset(grip->slips, 0, sizeof grip->slips);
+        take_hold(grip, view, memory);
         break;
     case SCREE_SWITCH_PEAK:
         if (grip->advancing) grip->first = fmax(grip->first, scree_grip_peak(grip, view));

@@ -1,21 +1,13 @@
-/* The adaptive integrator: unknowns, rates, contacts, errors. */
+/* The adaptive integrator: unknowns, rates, contacts. */
 #include "engine/adaptive.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Numbers of a body: position, velocity, angular momentum, attitude. */
-enum { OF_X = 0, OF_V = 3, OF_L = 6, OF_Q = 9, BALL_SIZE = 9, GENERAL_SIZE = 13 };
-
 static int body_size(const struct scree_bodies *bodies, int k) {
     if (bodies->class[k] == SCREE_CLASS_FIXED) return 0;
     return bodies->class[k] == SCREE_CLASS_BALL ? BALL_SIZE : GENERAL_SIZE;
-}
-
-static int memory_size(const struct scree_grip *grip) {
-    return (grip->friction && grip->friction->memory) || (grip->rolling && grip->rolling->memory) ? SCREE_GRIP_MEMORY
-                                                                                                  : 0;
 }
 
 /* ---- making and freeing ---- */
@@ -164,7 +156,7 @@ static void act(struct scree_scene *scene, const double *y, double *rates) {
         add_load(&scene->bodies, grip, &a->view[k]);
         rates[Y_WORK] += a->view[k].force * a->view[k].closing;
         rates[Y_RUBBED] += a->view[k].rubbing;
-        for (int m = 0; memory_size(grip) && m < SCREE_GRIP_WAYS; m++)
+        for (int m = 0; scree_adaptive_memory_size(grip) && m < SCREE_GRIP_WAYS; m++)
             vec_store(a->view[k].rate[m], rates + a->place[k] + 3 * m);
     }
 }
@@ -250,7 +242,7 @@ static scree_status take_list(struct scree_scene *scene) {
     a->nowhere = (int)size;
     for (int k = 0; k < a->grips; k++) {
         a->place[k] = a->nowhere;
-        most += (size_t)memory_size(&a->grip[k]);
+        most += (size_t)scree_adaptive_memory_size(&a->grip[k]);
     }
     scree_status room = resize(scene, most, kept);
     a->work.size = size + SCREE_GRIP_MEMORY;
@@ -258,9 +250,9 @@ static scree_status take_list(struct scree_scene *scene) {
 }
 
 void scree_adaptive_claim(struct scree_adaptive *a, int grip) {
-    if (a->place[grip] != a->nowhere || !memory_size(&a->grip[grip])) return;
+    if (a->place[grip] != a->nowhere || !scree_adaptive_memory_size(&a->grip[grip])) return;
     a->place[grip] = (int)a->work.size;
-    a->work.size += (size_t)memory_size(&a->grip[grip]);
+    a->work.size += (size_t)scree_adaptive_memory_size(&a->grip[grip]);
     memset(a->y + a->place[grip], 0, SCREE_GRIP_MEMORY * sizeof *a->y);
     memset(a->arrived + a->place[grip], 0, SCREE_GRIP_MEMORY * sizeof *a->y);
 }
@@ -290,7 +282,7 @@ scree_status scree_adaptive_list(struct scree_scene *scene) {
             *now = *was;
             now->index = index;
             scree_adaptive_claim(a, k);
-            if (memory_size(now))
+            if (scree_adaptive_memory_size(now))
                 memcpy(a->y + a->place[k], memory + SCREE_GRIP_MEMORY * (size_t)n, SCREE_GRIP_MEMORY * sizeof *memory);
         }
         if (a->clock >= 0 && same_contact(&a->grip[k].contact, &clock)) a->clock = k;
@@ -328,7 +320,7 @@ scree_status scree_adaptive_begin_step(struct scree_scene *scene) {
         scree_grip_recall(grip, &a->view[k], kept_of(scene, grip, kept), memory);
         if (grip->state == SCREE_GRIP_APART) continue;
         scree_adaptive_claim(a, k);
-        if (memory_size(grip)) memcpy(a->y + a->place[k], memory, sizeof memory);
+        if (scree_adaptive_memory_size(grip)) memcpy(a->y + a->place[k], memory, sizeof memory);
     }
     return SCREE_OK;
 }
@@ -344,115 +336,4 @@ void scree_adaptive_keep(struct scree_scene *scene) {
         for (int m = 0; m < SCREE_MEMORY; m++)
             if (batch->kept[m]) batch->kept[m][grip->index] = kept[m];
     }
-}
-
-/* ---- the size of an error ---- */
-
-/* A resting body has no speed that could serve:
- * what its contacts would do to it within the step does. */
-void scree_adaptive_measure(struct scree_scene *scene) {
-    struct scree_adaptive *a = scene->adaptive;
-    const struct scree_bodies *bodies = &scene->bodies;
-    double gravity = vec_norm(vec_from(scene->gravity.vector));
-    for (int k = 0; k < bodies->count; k++) {
-        a->measure[k] = (struct scree_measure){vec_norm(vec_from(bodies->record[k].v)), 0.0, gravity, 0.0};
-        a->held[k] = 0;
-    }
-    for (int k = 0; k < a->grips; k++) {
-        const struct scree_grip *grip = &a->grip[k];
-        const struct scree_grip_view *view = &a->view[k];
-        if (grip->state != SCREE_GRIP_HELD) continue;
-        double push = vec_norm(view->push), speed = sqrt(view->closing * view->closing + vec_norm2(view->slip));
-        double slope =
-            fabs(view->whole - view->damping * view->closing) / fmax(fabs(view->overlap), 1e-3 * grip->depth);
-        const struct scree_record *ball = &bodies->record[grip->contact.ball],
-                                  *host = &bodies->record[grip->contact.host];
-        double size = vec_norm(vec_from(ball->x)) + ball->radius;
-        if (grip->geometry != SCREE_BALL_PLANE) size += vec_norm(vec_from(host->x)) + host->radius;
-        for (int side = 0; side < 2; side++) {
-            int body = side ? grip->contact.host : grip->contact.ball;
-            struct scree_measure *m = &a->measure[body];
-            double inverse = bodies->record[body].inverse_mass;
-            m->speed = fmax(m->speed, speed);
-            m->push += push * inverse;
-            m->noise += slope * inverse * size;
-            a->held[body] = 1;
-        }
-    }
-}
-
-/* Paces for a step of so many seconds. */
-static void set_paces(struct scree_scene *scene, double step) {
-    struct scree_adaptive *a = scene->adaptive;
-    double fastest = 0.0;
-    for (int k = 0; k < scene->bodies.count; k++) {
-        a->measure[k].pace = fmax(a->measure[k].speed, step * a->measure[k].push);
-        fastest = fmax(fastest, a->measure[k].pace);
-    }
-    for (int k = 0; k < scene->bodies.count; k++) a->measure[k].pace = fmax(a->measure[k].pace, 1e-3 * fastest);
-}
-
-static double length3(const double *v) { return vec_norm(vec_from(v)); }
-
-/* The larger of `worst` and the error of one quantity, three numbers of it from `at`, in parts of `scale`. Both estimates belong to
- * the same quantity: one whose rates are a mere power of the variable would hide the error of the others. */
-static double larger(double worst, const struct scree_adaptive *a, int at, double scale) {
-    double error = scree_dop853_error(length3(a->work.error5 + at) / scale, length3(a->work.error3 + at) / scale);
-    return error > worst || isnan(error) ? error : worst;
-}
-
-/* The largest of a body's errors in parts of what is tolerable. */
-static double body_misfit(const struct scree_scene *scene, int k, double step) {
-    const struct scree_adaptive *a = scene->adaptive;
-    const struct scree_bodies *bodies = &scene->bodies;
-    const struct scree_measure *m = &a->measure[k];
-    const double *moments = bodies->inertia[k].moments;
-    double tolerance = scene->time.tolerance, noise = 1e-15 * m->noise * step, tiny = 1e-290;
-    double bound = bodies->record[k].bound, moment = fmax(moments[0], fmax(moments[1], moments[2]));
-    double worst = larger(0.0, a, a->at[k] + OF_V, tolerance * m->pace + noise + tiny);
-    worst = larger(worst, a, a->at[k] + OF_X, step * (tolerance * m->pace + noise) + tiny);
-    double spin = fmax(length3(bodies->state[k].l), moment * m->pace / bound);
-    worst = larger(worst, a, a->at[k] + OF_L, tolerance * spin + noise * moment / bound + tiny);
-    if (bodies->slot[k] < 0) return worst;
-    double scale = 0.5 * step * tolerance * (length3(bodies->record[k].w) + m->pace / bound) + 1e-15;
-    worst = larger(worst, a, a->at[k] + OF_Q, scale);
-    return larger(worst, a, a->at[k] + OF_Q + 1, scale);
-}
-
-static double grip_misfit(const struct scree_scene *scene, int k, double step) {
-    const struct scree_adaptive *a = scene->adaptive;
-    const struct scree_grip_view *view = &a->view[k];
-    double worst = 0.0, tolerance = scene->time.tolerance;
-    for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
-        double stretch = length3(a->y + a->place[k] + 3 * way), rate = vec_norm(view->rate[way]);
-        double unit = scree_grip_stiffness(&a->grip[k], way, 0.5 * a->grip[k].depth);
-        /* Memory begins with nothing, like a power of time: relative errors would stay as they are however short the step. */
-        double least = unit > 0.0 ? 1e-2 * a->grip[k].load / unit : 0.0;
-        worst = larger(worst, a, a->place[k] + 3 * way, tolerance * fmax(fmax(stretch, step * rate), least) + 1e-290);
-    }
-    return worst;
-}
-
-double scree_adaptive_error(struct scree_scene *scene, double step) {
-    struct scree_adaptive *a = scene->adaptive;
-    double worst = 0.0, energy = 0.0;
-    set_paces(scene, step);
-    for (int k = 0; k < a->grips; k++)
-        if (a->grip[k].state == SCREE_GRIP_HELD) energy += a->grip[k].load * a->grip[k].depth;
-    if (energy > 0.0) worst = larger(0.0, a, Y_WORK, scene->time.tolerance * energy); /* kept or not: the same steps */
-    for (int k = 0; k < scene->bodies.count; k++) {
-        if (a->at[k] < 0) continue;
-        double misfit = body_misfit(scene, k, step);
-        if (misfit <= worst) continue;
-        worst = misfit;
-        a->worst = k;
-    }
-    for (int k = 0; k < a->grips; k++) {
-        if (a->grip[k].state != SCREE_GRIP_HELD || !memory_size(&a->grip[k])) continue;
-        double misfit = grip_misfit(scene, k, step);
-        if (misfit <= worst) continue;
-        worst = misfit;
-        a->worst = a->grip[k].contact.ball;
-    }
-    return worst;
 }

@@ -2,7 +2,8 @@
  * method of order 8 (dop853.h) to a tolerance, and stopped wherever a law changes.
  *
  *   course.c    the course of a step of the scene
- *   adaptive.c  unknowns, rates, contacts, the size of an error
+ *   adaptive.c  unknowns, rates, contacts
+ *   misfit.c    the size of an error
  *   events.c    what ends a step early: switch functions (contact/grip.h), located on the step; clocks of pairs
  *   flight.c    nothing touches: straight to the next possible touch
  *
@@ -19,6 +20,9 @@
 
 /* The first unknowns; then come the bodies', then the contacts'. */
 enum { Y_TIME, Y_CLOCK, Y_WORK, Y_RUBBED, Y_DRIVEN, Y_BODIES }; /* the three books measured as one */
+
+/* Numbers of a body: position, velocity, angular momentum, attitude. */
+enum { OF_X = 0, OF_V = 3, OF_L = 6, OF_Q = 9, BALL_SIZE = 9, GENERAL_SIZE = 13 };
 
 /* How the error of a body is measured. */
 struct scree_measure {
@@ -54,6 +58,7 @@ struct scree_adaptive {
     double offset, goal;    /* value of s at which that clock stops */
     int every;              /* rates also look at contacts that are apart */
     int worst;              /* body with the largest error of the last step */
+    int stalled;            /* events one after the other at one instant */
     double tick;            /* length of the next step by the clock, in its unit */
 };
 
@@ -61,6 +66,12 @@ static inline double scree_adaptive_power(double s, int power) {
     double y = 1.0;
     for (int k = 0; k < power; k++) y *= s;
     return y;
+}
+
+/* How many unknowns the memory of a contact takes. */
+static inline int scree_adaptive_memory_size(const struct scree_grip *grip) {
+    return (grip->friction && grip->friction->memory) || (grip->rolling && grip->rolling->memory) ? SCREE_GRIP_MEMORY
+                                                                                                  : 0;
 }
 
 /* Where the contact's memory is. */
@@ -95,7 +106,7 @@ double scree_adaptive_error(struct scree_scene *scene, double time);
 /* Rates, views and switch functions at the start of a step, after something has changed. */
 void scree_adaptive_look(struct scree_scene *scene);
 
-/* Integrate attitudes alone, for so many seconds in which nothing touches; nonzero if that can't be done. */
+/* Integrate attitudes alone, for so many seconds in which nothing touches; nonzero, and reported, if that can't be done. */
 int scree_adaptive_turn(struct scree_scene *scene, double time);
 
 /* ---- events.c ---- */

@@ -119,8 +119,8 @@ static scree_status give_up(struct scree_scene *scene, double step) {
 }
 
 static double spin_energy(const struct scree_inertia *inertia, const double *own) {
-    struct mat frame = quat_to_mat(quat_normalise(quat_from(own + 9)));
-    struct vec m = mat_undo(&frame, vec_from(own + 6));
+    struct mat frame = quat_to_mat(quat_normalise(quat_from(own + OF_Q)));
+    struct vec m = mat_undo(&frame, vec_from(own + OF_L));
     return 0.5 * vec_dot(m, vec_times(vec_from(inertia->inverse_moments), m));
 }
 
@@ -129,8 +129,8 @@ static double spin_energy(const struct scree_inertia *inertia, const double *own
  * is an unknown and stays as it is. Close to a principal axis turns change next to no energy, and none is put back; nor is rounding, which would be a larger turn
  * there than any error. */
 static void restore_spin(const struct scree_inertia *inertia, double energy, double *own) {
-    struct vec l = vec_from(own + 6);
-    struct quat q = quat_normalise(quat_from(own + 9));
+    struct vec l = vec_from(own + OF_L);
+    struct quat q = quat_normalise(quat_from(own + OF_Q));
     struct mat frame = quat_to_mat(q);
     struct vec m = mat_undo(&frame, l), w = vec_times(vec_from(inertia->inverse_moments), m), slope = vec_cross(w, m);
     double size = vec_norm2(slope), lost = energy - 0.5 * vec_dot(m, w);
@@ -138,7 +138,7 @@ static void restore_spin(const struct scree_inertia *inertia, double energy, dou
         struct vec turn = vec_scale(0.5 * lost / size, slope);
         q = quat_normalise(quat_multiply(q, (struct quat){1.0, turn.x, turn.y, turn.z}));
     }
-    quat_store(q, own + 9);
+    quat_store(q, own + OF_Q);
 }
 
 static void tidy_attitudes(struct scree_scene *scene) {
@@ -149,7 +149,7 @@ static void tidy_attitudes(struct scree_scene *scene) {
         double *own = a->arrived + a->at[k];
         if (a->held[k] || bodies->attitude[bodies->slot[k]].inverse_hinge != 0.0) {
             a->spin_energy[k] = -1.0;
-            quat_store(quat_normalise(quat_from(own + 9)), own + 9);
+            quat_store(quat_normalise(quat_from(own + OF_Q)), own + OF_Q);
         } else {
             if (a->spin_energy[k] < 0.0) a->spin_energy[k] = spin_energy(&bodies->inertia[k], a->y + a->at[k]);
             restore_spin(&bodies->inertia[k], a->spin_energy[k], own);
@@ -250,6 +250,11 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
         a->before = a->value;
         a->value = value;
     }
+    a->stalled = time > 0.0 ? 0 : a->stalled + 1;
+    if (a->stalled > 300)
+        return scree_scene_stop(scene, a->start + a->y[Y_TIME], a->worst, -1,
+                                "contacts near it change to and fro without end, and time doesn't pass; its laws jump "
+                                "where they should be continuous");
     return scree_check_depth(scene, a->start + a->y[Y_TIME]);
 }
 
@@ -311,7 +316,10 @@ int scree_adaptive_turn(struct scree_scene *scene, double time) {
         scree_dop853_step(&a->work, scree_adaptive_rates, scene, a->y, taken);
         double error = scree_adaptive_error(scene, taken);
         int good = error <= 1.0;
-        if (!good && ++tries > 1000) return -1;
+        if (!good && ++tries > 1000) {
+            give_up(scene, taken);
+            return -1;
+        }
         h = taken * (error > 0.0 ? fmin(fmax(0.9 * scree_pow(error, -0.125), 0.1), 6.0) : good ? 6.0 : 0.1);
         scene->effort.steps += good;
         scene->effort.rejected += !good;
@@ -328,7 +336,7 @@ int scree_adaptive_turn(struct scree_scene *scene, double time) {
     return 0;
 }
 
-/* Where nothing touches and only gravity acts. 1: flown, 0: not worth it, -1: no memory for the list. */
+/* Where nothing touches and only gravity acts. 1: flown, 0: not worth it, -1: it went wrong, as reported. */
 static int fly(struct scree_scene *scene, struct course *c) {
     struct scree_adaptive *a = scene->adaptive;
     if (scene->time.no_flight || !scree_adaptive_can_fly(scene) || touching(a)) return 0;
