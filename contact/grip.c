@@ -139,6 +139,7 @@ struct slider {
     double k, c;
     struct scree_hold hold;
     int slips, in_force;
+    double falls; /* at which rate the force falls with the stiffness, 1/s */
     double longest;
 };
 
@@ -153,7 +154,7 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
     struct vec trial = vec_axpy(d.elastic, s->c, v);
     if (!s->slips) {
         d.force = vec_scale(-1.0, trial);
-        d.rate = vec_scale(unit, v);
+        d.rate = vec_axpy(vec_scale(unit, v), s->falls, memory);
     } else if (s->c > 0.0) {
         double size = vec_norm(trial);
         d.force = vec_scale(-s->hold.slides / (size + SCREE_NO_SPEED), trial);
@@ -203,6 +204,8 @@ static struct vec resist(const struct scree_grip *grip, int way, double normal, 
     struct scree_sliding at = {.normal = normal, .overlap = view->overlap, .velocity = v, .stretch = memory};
     if (scree_grip_is_slider(grip, way)) {
         struct slider s = slider_of(grip, way, normal, view->overlap, v);
+        if (way == SCREE_GRIP_FRICTION && grip->friction->rescaled && view->closing < 0.0 && view->overlap > 0.0)
+            s.falls = 0.5 * view->closing / view->overlap;
         struct dragged d = drag(&s, memory, v);
         view->rate[way] = d.rate;
         view->elastic[way] = d.elastic;

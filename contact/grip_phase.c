@@ -184,7 +184,8 @@ static double slip_rate(const struct scree_grip *grip, int way, const struct scr
     double rate = view->stiffness[way] * along;
     rate -= (later->slides[way] - sooner->slides[way]) / apart;
     int in_stretch = way != SCREE_GRIP_FRICTION || !grip->friction->in_force;
-    if (in_stretch && view->stiffness[way] > 0.0)
+    int falls = !in_stretch && grip->friction->rescaled && view->closing < 0.0;
+    if ((in_stretch || falls) && view->stiffness[way] > 0.0)
         rate += view->slides[way] * (later->stiffness[way] - sooner->stiffness[way]) / apart / view->stiffness[way];
     return rate;
 }

@@ -129,6 +129,7 @@ struct scree_friction_law {
     int memory; /* keeps stretch and state */
     int slider; /* the stretch is that of a spring behind a slider: with half = 0 it is cut to what the slider holds */
     int in_force; /* as `slider`, but what is kept is the force of that spring, N */
+    int rescaled; /* as `in_force`, but the force falls with the stiffness, sqrt(d), while the overlap does */
     int root;     /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
