@@ -52,6 +52,7 @@ struct scree_checkpoint {
  * and the least and most that was stored since then; J. */
 struct scree_watched {
     int halvings, begun; /* the books are */
+    double since;        /* when, s */
     double balance, lost, driven;
     double motion, least_stored, most_stored;
 };

@@ -48,7 +48,7 @@ typedef enum scree_watch {
     SCREE_WATCH_STOP = 0, /* it stops */
     SCREE_WATCH_HALVE, /* it goes back to where it was last kept in memory (where scree_scene_step was called, or up to 1000
                              steps before), halves the step and goes on; after 10 halvings it stops. The energy books are kept, and
-                             energy that has grown by 10 % of what was turned over is a reason too. Each call of scree_scene_step
+                             books that are off by 10 % of what was turned over are a reason too. Each call of scree_scene_step
                              keeps the state, so that calls of single steps cost more. */
 } scree_watch;
 

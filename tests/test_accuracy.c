@@ -304,13 +304,15 @@ static void test_squeezed(void) {
             most = fmax(most, fabs(state_of(scene, "ball").position[2] - 0.009));
         }
         double amplitude = 1e-4 / sqrt(2e5 / 0.03), turn = sqrt(2e5 / 0.03) * scree_scene_step_length(scene);
-        NEAR(most, amplitude, amplitude * (1.0 / sqrt(1.0 - 0.25 * turn * turn) - 1.0));
+        double swing = 1.0 / sqrt(1.0 - 0.25 * turn * turn) - 1.0;
+        double gap = 1.0 / sqrt(0.9) - 1.0; /* a tenth of the energy may be off before each halving */
+        NEAR(most, amplitude, amplitude * (swing + gap * scree_scene_halvings(scene)));
         scree_scene_destroy(scene);
     }
 }
 
-/* An elastic ball that meets a wall at 1.7 steps a contact leaves up to 2.4 times as fast, which only the books know. A tenth of the energy
- * is tolerated: a twentieth of the speed; less of it isn't growth, and what the step of half as long errs by is 0.5. */
+/* An elastic ball that meets a wall at 1.7 steps a contact leaves with 0 to 2.4 times its speed, which only the books know. They may be off by a
+ * tenth of what was turned over, which is the energy before or after: it is 0.9 to 1/0.9 times that before. */
 static void test_growth(void) {
     int halved = 0;
     double worst = 0.0;
@@ -322,12 +324,12 @@ static void test_growth(void) {
         scree_scene *scene = thrown(laws, time, 0.0, phase / 16.0, step);
         CHECK(reach(scene, 8.0 * step, 8.0 * step));
         halved += scree_scene_halvings(scene) > 0;
-        worst = fmax(worst, state_of(scene, "ball").velocity[2]);
+        worst = fmax(worst, fabs(state_of(scene, "ball").velocity[2] - 1.0));
         scree_scene_destroy(scene);
     }
-    show("growth", "fastest rebound", 0.0, halved, worst, 0.0);
+    show("growth", "error of the rebound", 0.0, halved, worst, 0.0);
     CHECK(halved > 4);
-    CHECK(worst <= sqrt(1.1) + 1e-12);
+    NEAR(worst, 0.0, 1.0 / sqrt(0.9) - 1.0);
 }
 
 /* Where halving doesn't help, it stops after ten of them and says so. */
