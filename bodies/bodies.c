@@ -32,16 +32,14 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
     bodies->material = aligned_zeroed(n, sizeof *bodies->material);
     bodies->origin = aligned_zeroed(n, sizeof *bodies->origin);
     bodies->slot = aligned_zeroed(n, sizeof *bodies->slot);
-    bodies->name = aligned_zeroed(n, sizeof *bodies->name);
     if (bodies->record && bodies->state && bodies->inertia && bodies->class && bodies->shape && bodies->joint &&
-        bodies->material && bodies->origin && bodies->slot && bodies->name && bodies->moved)
+        bodies->material && bodies->origin && bodies->slot && bodies->moved)
         return SCREE_OK;
     scree_bodies_destroy(bodies);
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d bodies", count);
 }
 
 void scree_bodies_destroy(struct scree_bodies *bodies) {
-    for (int k = 0; bodies->name && k < bodies->count; k++) free(bodies->name[k]);
     for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
     free(bodies->record);
     free(bodies->state);
@@ -56,7 +54,6 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     free(bodies->corner);
     free(bodies->motion);
     free(bodies->moved);
-    free(bodies->name);
     free(bodies->past);
     *bodies = (struct scree_bodies){0};
 }
@@ -137,7 +134,8 @@ static void set_attitude(struct scree_bodies *bodies, int index, const scree_bod
     vec_store(mat_apply(&attitude->frame, vec_times(moments, body_spin)), bodies->state[index].l);
 }
 
-scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_def *defs, scree_trouble *trouble) {
+scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),
+                                 const void *context, scree_trouble *trouble) {
     for (int k = 0; k < bodies->count; k++) {
         int ball = bodies->shape[k].kind == SCREE_SPHERE && bodies->class[k] != SCREE_CLASS_GENERAL;
         bodies->slot[k] = ball ? -1 : bodies->attitudes++;
@@ -147,8 +145,11 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_d
     bodies->corner = aligned_zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
     if (!bodies->attitude || !bodies->corner)
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the attitudes of %zu bodies", attitudes);
-    for (int k = 0; k < bodies->count; k++)
-        if (bodies->slot[k] >= 0) set_attitude(bodies, k, &defs[k]);
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->slot[k] < 0) continue;
+        scree_body_def one = def(context, k);
+        set_attitude(bodies, k, &one);
+    }
     return SCREE_OK;
 }
 

@@ -83,7 +83,6 @@ struct scree_bodies {
     struct scree_motion *motion; /* owned; joints refer to them by index */
     int motions;
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
-    char **name;                      /* owned */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
 };
 
@@ -101,8 +100,9 @@ struct quat scree_start_attitude(const scree_body_def *def);
 /* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. */
 void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density);
 
-/* Give every body that isn't a ball its attitude; call once after all bodies are set. */
-scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_def *defs, scree_trouble *trouble);
+/* Give every body that isn't a ball its attitude, from its definition; call once after all bodies are set. */
+scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),
+                                 const void *context, scree_trouble *trouble);
 
 /* Put driven bodies where their motions have them at `time`, and bring every record to the instant of the state. */
 void scree_bodies_start(struct scree_bodies *bodies, double time);

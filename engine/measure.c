@@ -4,37 +4,45 @@
 
 #include <string.h>
 
-int scree_scene_bodies(const scree_scene *scene) { return scene->baked == 1 ? scene->bodies.count : scene->defs; }
+int scree_scene_bodies(const scree_scene *scene) { return scene->defs; }
 
-/* The definition of body `index`; one that is all zero where there is no such body. */
-static const scree_body_def *definition(const scree_scene *scene, int index) {
-    static const scree_body_def none = {.name = NULL};
-    return index >= 0 && index < scene->defs ? &scene->def[index] : &none;
+static int is_body(const scree_scene *scene, int index) { return index >= 0 && index < scene->defs; }
+
+/* Whether bodies were made of the definitions. */
+static int is_made(const scree_scene *scene) { return scene->bodies.count > 0 && !scene->group; }
+
+const char *scree_scene_body_name(const scree_scene *scene, int index) {
+    return is_body(scene, index) ? scene->names.name[index] : NULL;
 }
 
-const char *scree_scene_body_name(const scree_scene *scene, int index) { return definition(scene, index)->name; }
-
-scree_shape scree_scene_body_shape(const scree_scene *scene, int index) { return definition(scene, index)->shape; }
+scree_shape scree_scene_body_shape(const scree_scene *scene, int index) {
+    if (!is_body(scene, index)) return (scree_shape){0};
+    return is_made(scene) ? scene->bodies.shape[index] : scree_scene_definition(scene, index).shape;
+}
 
 double scree_scene_body_mass(const scree_scene *scene, int index) {
-    const scree_body_def *def = definition(scene, index);
-    return def->name ? scree_body_mass(def, scene->material[def->material].density) : 0.0;
+    if (!is_body(scene, index)) return 0.0;
+    if (is_made(scene)) return scene->bodies.inertia[index].mass;
+    scree_body_def def = scree_scene_definition(scene, index);
+    return scree_body_mass(&def, scene->material[def.material].density);
 }
 
 int scree_scene_body_moves(const scree_scene *scene, int index) {
-    const scree_body_def *def = definition(scene, index);
-    return def->name && !scree_joint_is_fixed(&def->joint);
+    if (!is_body(scene, index)) return 0;
+    scree_joint joint = is_made(scene) ? scene->bodies.joint[index] : scree_scene_definition(scene, index).joint;
+    return !scree_joint_is_fixed(&joint);
 }
 
 scree_body_state scree_scene_body(const scree_scene *scene, int index) {
     const struct scree_bodies *bodies = &scene->bodies;
-    const scree_body_def *def = definition(scene, index);
     scree_body_state state = {.orientation = {1.0, 0.0, 0.0, 0.0}};
-    if (scene->baked != 1 || !def->name) {
-        memcpy(state.position, def->position, sizeof state.position);
-        memcpy(state.velocity, def->velocity, sizeof state.velocity);
-        memcpy(state.spin, def->spin, sizeof state.spin);
-        quat_store(scree_start_attitude(def), state.orientation);
+    if (!is_body(scene, index)) return state;
+    if (!is_made(scene)) {
+        scree_body_def def = scree_scene_definition(scene, index);
+        memcpy(state.position, def.position, sizeof state.position);
+        memcpy(state.velocity, def.velocity, sizeof state.velocity);
+        memcpy(state.spin, def.spin, sizeof state.spin);
+        quat_store(scree_start_attitude(&def), state.orientation);
         return state;
     }
     memcpy(state.position, bodies->state[index].x, sizeof state.position);

@@ -1,5 +1,6 @@
 /* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
  * chosen from the stiffest contact that can happen. */
+#include "engine/hash.h"
 #include "engine/scene.h"
 
 #include <math.h>
@@ -326,19 +327,34 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
 
 /* ---- bodies and contacts ---- */
 
+static scree_body_def definition_of(const void *scene, int index) { return scree_scene_definition(scene, index); }
+
+/* A state replaces where free bodies start, but not where fixed ones are and driven ones count from; and whoever changes a start
+ * means another run. */
+static uint64_t print_start(uint64_t hash, const scree_body_def *def) {
+    hash = scree_hash_on(hash, def->position, sizeof def->position);
+    hash = scree_hash_on(hash, def->orientation, sizeof def->orientation);
+    hash = scree_hash_on(hash, def->velocity, sizeof def->velocity);
+    return scree_hash_on(hash, def->spin, sizeof def->spin);
+}
+
+/* After it the definitions of bodies are no longer needed: in large scenes they take more memory than some of the state. */
 static scree_status make_bodies(struct scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
     scree_status status = scree_bodies_create(bodies, scene->defs, scene->motion, scene->motions, &scene->trouble);
     scene->motion = NULL; /* handed over */
     if (status) return status;
+    scene->start = scree_hash_start;
     for (int k = 0; k < scene->defs; k++) {
-        scree_bodies_set(bodies, k, &scene->def[k], scene->material[scene->def[k].material].density);
-        bodies->name[k] = strdup(scene->def[k].name);
-        if (!bodies->name[k]) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for names");
+        scree_body_def def = scree_scene_definition(scene, k);
+        scree_bodies_set(bodies, k, &def, scene->material[def.material].density);
+        scene->start = print_start(scene->start, &def);
     }
-    status = scree_bodies_finish(bodies, scene->def, &scene->trouble);
-    if (!status) scree_bodies_start(bodies, 0.0);
-    return status;
+    status = scree_bodies_finish(bodies, definition_of, scene, &scene->trouble);
+    if (status) return status;
+    scree_scene_free_groups(scene);
+    scree_bodies_start(bodies, 0.0);
+    return SCREE_OK;
 }
 
 static void count_bodies(struct scree_scene *scene) {

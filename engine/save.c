@@ -68,7 +68,7 @@ static uint64_t print_bodies(const scree_scene *scene) {
     for (int k = 0; k < bodies->count; k++) {
         const scree_joint *joint = &bodies->joint[k];
         const scree_shape *shape = &bodies->shape[k];
-        hash = hash_name(hash, bodies->name[k]);
+        hash = hash_name(hash, scree_name(scene, k));
         hash = hash_name(hash, scene->material[bodies->material[k]].name);
         HASH_ON(hash, shape->kind);
         HASH_ON(hash, shape->radius);
@@ -82,19 +82,6 @@ static uint64_t print_bodies(const scree_scene *scene) {
         HASH_ON(hash, joint->turn);
         if (joint->turn == SCREE_DRIVEN) HASH_ON(hash, joint->turn_motion);
         HASH_ON(hash, joint->axis);
-    }
-    return hash;
-}
-
-/* The state replaces where free bodies start, but not where fixed ones are and driven ones count from; and whoever changes
- * a start means another run. */
-static uint64_t print_start(const scree_scene *scene) {
-    uint64_t hash = scree_hash_start;
-    for (int k = 0; k < scene->defs; k++) {
-        HASH_ON(hash, scene->def[k].position);
-        HASH_ON(hash, scene->def[k].orientation);
-        HASH_ON(hash, scene->def[k].velocity);
-        HASH_ON(hash, scene->def[k].spin);
     }
     return hash;
 }
@@ -155,7 +142,7 @@ static uint64_t print_integrator(const scree_scene *scene) {
 static struct prints prints_of(const scree_scene *scene) {
     struct prints prints = {{0}};
     prints.of[PRINT_BODIES] = print_bodies(scene);
-    prints.of[PRINT_START] = print_start(scene);
+    prints.of[PRINT_START] = scene->start;
     prints.of[PRINT_CONTACTS] = print_contacts(scene);
     prints.of[PRINT_MOTIONS] = print_motions(scene);
     prints.of[PRINT_GRAVITY] = print_gravity(scene);
