@@ -20,6 +20,12 @@ scree_shape scree_scene_body_shape(const scree_scene *scene, int index) {
     return is_made(scene) ? scene->bodies.shape[index] : scree_scene_definition(scene, index).shape;
 }
 
+const char *scree_scene_body_material(const scree_scene *scene, int index) {
+    if (!is_body(scene, index)) return NULL;
+    int material = is_made(scene) ? scene->bodies.material[index] : scree_scene_definition(scene, index).material;
+    return scene->material[material].name;
+}
+
 double scree_scene_body_mass(const scree_scene *scene, int index) {
     if (!is_body(scene, index)) return 0.0;
     if (is_made(scene)) return scene->bodies.inertia[index].mass;

@@ -531,7 +531,7 @@ static void read_time(struct scree_reader *r) {
 }
 
 static void read_write_list(struct scree_reader *r, const struct scree_toml *list) {
-    static const char *const words[] = {"bodies.csv", "contacts.csv", "energy.csv", "vtk", NULL};
+    static const char *const words[] = {"bodies.csv", "contacts.csv", "energy.csv", "vtk", "spheres.csv", NULL};
     if (list->type != SCREE_TOML_ARRAY) {
         scree_complain(r, list, "write must be an array such as [\"bodies.csv\", \"vtk\"]");
         return;
