@@ -15,6 +15,7 @@ static const char help[] =
     "\n"
     "  process   time of a step in small scenes: a box on a plane, the process model; and where it goes\n"
     "  impact    error of the restitution against the step, for each normal law with a closed form\n"
+    "  look      what many spheres are like: packing, coordination, energy; to compare with other programs' states\n"
     "  laws      time of a contact in the loop, for every contact law\n"
     "  lm        time of a least-squares solve; calls and digits on test problems; beside other solvers\n"
     "  plan      time of planning 41 operating speeds with the process model, against the clearance left\n"
@@ -27,10 +28,15 @@ static const char help[] =
 static const struct {
     const char *name;
     int (*run)(int count, char **words);
-} benchmarks[] = {{"process", bench_process},     {"impact", bench_impact},
-                  {"laws", bench_laws},           {"lm", bench_lm},
-                  {"plan", bench_plan},           {"precision", bench_precision},
-                  {"stability", bench_stability}, {"stress", bench_stress}};
+} benchmarks[] = {{"process", bench_process},
+                  {"impact", bench_impact},
+                  {"laws", bench_laws},
+                  {"lm", bench_lm},
+                  {"plan", bench_plan},
+                  {"precision", bench_precision},
+                  {"stability", bench_stability},
+                  {"stress", bench_stress},
+                  {"look", bench_look}};
 
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
 
