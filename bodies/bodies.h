@@ -84,6 +84,8 @@ struct scree_bodies {
     int motions;
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
+    int periodic;                     /* along some axis */
+    double low[3], period[3];         /* where the box begins and after what length all repeats, m; 0: never */
 };
 
 /* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. Takes over `motions` motions. */
@@ -119,6 +121,12 @@ void scree_bodies_advance(struct scree_bodies *bodies, double time, double step,
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
  * by scree_bodies_shadow (or `bodies` itself). */
 void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow);
+
+/* How many periods a coordinate is beyond the box. */
+static inline double scree_periods_off(const struct scree_bodies *bodies, double x, int axis) {
+    double period = bodies->period[axis];
+    return period > 0.0 ? floor((x - bodies->low[axis]) / period) : 0.0;
+}
 
 /* A second set of records, attitudes and corners beside the shared rest of `bodies`. Free it with
  * scree_bodies_free_shadow. */

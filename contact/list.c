@@ -1,7 +1,7 @@
 /* The list of near contacts: made from candidate pairs, sorted, with the contact memory of the list before. */
 #include "contact/contacts.h"
 
-#include "contact/geometry.h"
+#include "contact/meet.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -125,10 +125,50 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
     contacts->deepest_host = j;
 }
 
+/* Add a ball on one image of another: `periods` off; on the other itself if they are none. */
+static scree_status add_image(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                              const struct scree_rule *rule, int ball, int host, const int periods[3],
+                              scree_trouble *trouble) {
+    const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
+    int off = periods[0] != 0 || periods[1] != 0 || periods[2] != 0;
+    struct scree_contact contact = {ball, host, off ? scree_code_of(periods) : 0};
+    enum scree_geometry geometry = off ? SCREE_BALL_IMAGE : SCREE_BALL_BALL;
+    double gap = vec_norm(scree_apart(bodies, &contact, geometry)) - a->radius - b->radius;
+    if (!(gap <= contacts->skin)) return SCREE_OK;
+    for (int axis = 0; axis < 3; axis++)
+        if (abs(periods[axis]) > SCREE_MOST_PERIODS)
+            return scree_report(trouble, SCREE_FAILED, NULL,
+                                "two bodies that meet are more than %d periods apart: a driven one has gone that far",
+                                SCREE_MOST_PERIODS);
+    return add(scree_batch_for(contacts, rule, geometry), &contact, trouble);
+}
+
+/* Add a ball on the nearest image of another, and where the box is so small that several are in reach on those too. */
+static scree_status add_images(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                               const struct scree_rule *rule, int ball, int host, scree_trouble *trouble) {
+    const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
+    double reach = a->radius + b->radius + contacts->skin;
+    int first[3], last[3], periods[3];
+    for (int axis = 0; axis < 3; axis++) {
+        double period = bodies->period[axis], off = period > 0.0 ? (a->x[axis] - b->x[axis]) / period : 0.0;
+        int nearest = (int)fmax(fmin(floor(off + 0.5), 1e9), -1e9), more = period > 0.0 && period < 2.0 * reach;
+        first[axis] = nearest - more;
+        last[axis] = nearest + more;
+    }
+    scree_status status = SCREE_OK;
+    for (periods[0] = first[0]; periods[0] <= last[0]; periods[0]++)
+        for (periods[1] = first[1]; periods[1] <= last[1]; periods[1]++)
+            for (periods[2] = first[2]; periods[2] <= last[2] && !status; periods[2]++)
+                status = add_image(contacts, bodies, rule, ball, host, periods, trouble);
+    return status;
+}
+
 static scree_status add_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
                              scree_trouble *trouble) {
     const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, i, j, NULL);
     scree_shape_kind a = bodies->shape[i].kind, b = bodies->shape[j].kind;
+    if (bodies->periodic && a == SCREE_SPHERE && b == SCREE_SPHERE)
+        return add_images(contacts, bodies, rule, i, j, trouble);
     if (a == SCREE_SPHERE) return add_balls(contacts, bodies, rule, i, j, trouble);
     if (b == SCREE_SPHERE || a != SCREE_BOX) return add_balls(contacts, bodies, rule, j, i, trouble);
     scree_status status = add_balls(contacts, bodies, rule, i, j, trouble);
@@ -154,18 +194,61 @@ static void sort(struct scree_batch *batch) {
         }
 }
 
+static const struct scree_return *return_of(const struct scree_contacts *contacts, int body) {
+    int low = 0, high = contacts->returns;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (contacts->returned[middle].body < body)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < contacts->returns && contacts->returned[low].body == body ? &contacts->returned[low] : NULL;
+}
+
+/* Where a contact was in the old lists: its bodies may have returned into the box since, which changes how many periods they are
+ * apart, and by it the batch. */
+struct before {
+    const struct scree_batch *batch;
+    int place; /* -1: it wasn't there */
+};
+
+/* Look for a contact of which a body has returned. */
+static void find_before(const struct scree_contacts *contacts, const struct scree_batch *batch,
+                        const struct scree_contact *contact, struct before *before) {
+    const struct scree_return *ball = return_of(contacts, contact->ball), *host = return_of(contacts, contact->host);
+    if (!ball && !host) return;
+    int periods[3], off = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        periods[axis] = contact->corner ? scree_periods_of(contact->corner, axis) : 0;
+        periods[axis] += (ball ? ball->periods[axis] : 0) - (host ? host->periods[axis] : 0);
+        off |= periods[axis] != 0;
+    }
+    struct scree_contact old = {contact->ball, contact->host, off ? scree_code_of(periods) : 0};
+    before->batch = scree_batch_for(contacts, &contacts->rule[batch->rule], off ? SCREE_BALL_IMAGE : SCREE_BALL_BALL);
+    const struct scree_contact *found = NULL;
+    if (before->batch->old_count)
+        found =
+            bsearch(&old, before->batch->old_contact, (size_t)before->batch->old_count, sizeof old, compare_contacts);
+    before->place = found ? (int)(found - before->batch->old_contact) : -1;
+}
+
 /* Both lists are sorted, so one walk finds the contacts that go on. New ones start with empty memory. */
-static void carry_memory_over(struct scree_batch *batch) {
+static void carry_memory_over(const struct scree_contacts *contacts, struct scree_batch *batch) {
+    int returns = contacts->returns && (batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE);
     for (int k = 0, old = 0; k < (int)blocks_for(batch->count) * SCREE_LANES; k++) {
         int real = k < batch->count; /* the last block is filled up with zeros */
         while (real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) < 0) old++;
         int same = real && old < batch->old_count && compare(&batch->old_contact[old], &batch->contact[k]) == 0;
+        struct before before = {batch, same ? old : -1};
+        if (returns && real) find_before(contacts, batch, &batch->contact[k], &before);
+        int block = before.place / SCREE_LANES, lane = before.place % SCREE_LANES;
         for (int m = 0; m < batch->memory; m++)
             batch->kept[k / SCREE_LANES][m][k % SCREE_LANES] =
-                same ? batch->old_kept[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
+                before.place >= 0 ? before.batch->old_kept[block][m][lane] : 0.0;
         for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
             batch->past[k / SCREE_LANES][m][k % SCREE_LANES] =
-                same ? batch->old_past[old / SCREE_LANES][m][old % SCREE_LANES] : 0.0;
+                before.place >= 0 ? before.batch->old_past[block][m][lane] : 0.0;
     }
 }
 
@@ -241,10 +324,60 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
         struct scree_batch *batch = &contacts->batch[k];
         if (batch->count) contacts->busy[contacts->busy_batches++] = k;
         sort(batch);
-        if (batch->memory || batch->impulses) carry_memory_over(batch);
+        if (batch->memory || batch->impulses) carry_memory_over(contacts, batch);
         set_pair_constants(contacts, bodies, batch);
     }
     for (int k = 0; k < bodies->count; k++) bodies->record[k].path = 0.0;
     contacts->rebuilds++;
+    contacts->returns = 0;
     return SCREE_OK;
+}
+
+/* ---- the periodic box ---- */
+
+/* Periods that body k must go back along an axis to be in the box. */
+static int periods_out(const struct scree_bodies *bodies, int k, int axis) {
+    if (bodies->class[k] == SCREE_CLASS_FIXED || bodies->joint[k].along[axis] != SCREE_FREE) return 0;
+    double off = scree_periods_off(bodies, bodies->state[k].x[axis], axis);
+    return fabs(off) <= SCREE_MOST_PERIODS ? (int)off : 0; /* farther in one go: the run is about to be stopped */
+}
+
+static scree_status room_for_returns(struct scree_contacts *contacts, int count, scree_trouble *trouble) {
+    if (count <= contacts->return_capacity) return SCREE_OK;
+    struct scree_return *returned = realloc(contacts->returned, 2 * (size_t)count * sizeof *returned);
+    if (!returned) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d bodies at the border", count);
+    contacts->returned = returned;
+    contacts->return_capacity = 2 * count;
+    return SCREE_OK;
+}
+
+scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                                   scree_trouble *trouble) {
+    contacts->returns = 0;
+    for (int k = 0; k < bodies->count; k++) {
+        struct scree_return out = {.body = k};
+        int any = 0;
+        for (int axis = 0; axis < 3; axis++) any |= out.periods[axis] = periods_out(bodies, k, axis);
+        if (!any) continue;
+        memcpy(out.from, bodies->state[k].x, sizeof out.from);
+        scree_status status = room_for_returns(contacts, contacts->returns + 1, trouble);
+        if (status) contacts->returns = 0;
+        if (status) return status;
+        contacts->returned[contacts->returns++] = out;
+    }
+    for (int n = 0; n < contacts->returns; n++) {
+        const struct scree_return *out = &contacts->returned[n];
+        for (int axis = 0; axis < 3; axis++) {
+            double way = out->periods[axis] * bodies->period[axis];
+            bodies->state[out->body].x[axis] -= way;
+            bodies->record[out->body].x[axis] -= way; /* of bodies that keep it from step to step */
+        }
+    }
+    return SCREE_OK;
+}
+
+void scree_contacts_undo_return(struct scree_contacts *contacts, struct scree_bodies *bodies) {
+    for (int n = 0; n < contacts->returns; n++)
+        memcpy(bodies->state[contacts->returned[n].body].x, contacts->returned[n].from, sizeof bodies->state[0].x);
+    contacts->returns = 0;
 }

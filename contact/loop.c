@@ -44,12 +44,12 @@ static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
 static inline void gather_one(const struct scree_bodies *bodies, const struct scree_contact *contact,
                               enum scree_geometry geometry, struct block *b, int lane) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    struct vec corner = vec_from(bodies->corner[contact->corner]);
+    struct vec corner = scree_corner_of(bodies, contact, geometry);
     struct vec centre = vec_add(vec_from(ball->x), corner);
     struct scree_meeting m = scree_meet(bodies, contact, geometry, centre);
     /* Both bodies are acted on at one point, the middle of the overlap, so that angular momentum is kept. */
     struct vec arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal);
-    struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
+    struct vec apart = scree_apart(bodies, contact, geometry);
     struct vec velocity = vec_sub(vec_from(ball->v), vec_from(host->v));
     velocity = vec_add(velocity, vec_cross(vec_from(ball->w), arm));
     velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(arm, apart)));
@@ -79,6 +79,9 @@ static void gather(const struct scree_bodies *bodies, const struct scree_contact
             break;
         case SCREE_BALL_RECTANGLE:
             gather_one(bodies, one, SCREE_BALL_RECTANGLE, b, lane);
+            break;
+        case SCREE_BALL_IMAGE:
+            gather_one(bodies, one, SCREE_BALL_IMAGE, b, lane);
             break;
         default:
             gather_one(bodies, one, SCREE_BALL_BOX, b, lane);
@@ -459,6 +462,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     pressing.first = f.first;
     pressing.second = f.second;
     *touch = (struct scree_touch){.ball = contact->ball, .host = contact->host, .corner = contact->corner};
+    if (batch->geometry == SCREE_BALL_IMAGE) touch->corner = 0;
     touch->overlap = b.overlap[0];
     touch->closing = b.closing[0];
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;

@@ -39,6 +39,16 @@ int scree_scene_body_moves(const scree_scene *scene, int index) {
     return !scree_joint_is_fixed(&joint);
 }
 
+/* Where a point is that may be outside of the periodic box. */
+static void put_into_box(const struct scree_bodies *bodies, const double x[3], double inside[3]) {
+    for (int axis = 0; axis < 3; axis++) {
+        double period = bodies->period[axis];
+        inside[axis] = x[axis] - period * scree_periods_off(bodies, x[axis], axis);
+        if (period > 0.0 && inside[axis] >= bodies->low[axis] + period)
+            inside[axis] = bodies->low[axis]; /* rounded up */
+    }
+}
+
 scree_body_state scree_scene_body(const scree_scene *scene, int index) {
     const struct scree_bodies *bodies = &scene->bodies;
     scree_body_state state = {.orientation = {1.0, 0.0, 0.0, 0.0}};
@@ -51,7 +61,7 @@ scree_body_state scree_scene_body(const scree_scene *scene, int index) {
         quat_store(scree_start_attitude(&def), state.orientation);
         return state;
     }
-    memcpy(state.position, bodies->state[index].x, sizeof state.position);
+    put_into_box(bodies, bodies->state[index].x, state.position);
     memcpy(state.velocity, bodies->state[index].v, sizeof state.velocity);
     vec_store(scree_bodies_spin(bodies, index, scree_scene_time(scene)), state.spin);
     if (bodies->slot[index] >= 0)
@@ -102,6 +112,7 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
     double gravity[3], stored_in_friction = 0.0;
     scree_gravity_at(scene, scree_scene_time(scene), gravity);
     for (int k = 0; k < scene->bodies.count; k++) add_body_energy(scene, k, gravity, energy);
+    for (int axis = 0; axis < 3; axis++) energy->potential -= gravity[axis] * scene->carried[axis];
     for (int b = 0; b < contacts->batches; b++) {
         for (int k = 0; k < contacts->batch[b].count; k++) {
             struct scree_touch touch;
@@ -122,7 +133,9 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
 static scree_contact_state contact_state(const scree_scene *scene, const struct scree_touch *touch) {
     scree_contact_state state = {.ball = touch->ball, .host = touch->host, .sliding = touch->sliding};
     state.corner = touch->corner ? touch->corner - 1 - 8 * scene->bodies.slot[touch->ball] : -1;
-    vec_store(touch->point, state.point);
+    double point[3];
+    vec_store(touch->point, point);
+    put_into_box(&scene->bodies, point, state.point);
     vec_store(touch->normal, state.normal);
     vec_store(touch->slip, state.slip);
     vec_store(touch->tangential, state.friction);

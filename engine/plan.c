@@ -338,6 +338,16 @@ static uint64_t print_start(uint64_t hash, const scree_body_def *def) {
     return scree_hash_on(hash, def->spin, sizeof def->spin);
 }
 
+static void set_period(struct scree_scene *scene) {
+    struct scree_bodies *bodies = &scene->bodies;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!scene->bounded || !scene->domain.periodic[axis]) continue;
+        bodies->periodic = 1;
+        bodies->low[axis] = scene->domain.min[axis];
+        bodies->period[axis] = scene->domain.max[axis] - scene->domain.min[axis];
+    }
+}
+
 /* After it the definitions of bodies are no longer needed: in large scenes they take more memory than some of the state. */
 static scree_status make_bodies(struct scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
@@ -353,6 +363,7 @@ static scree_status make_bodies(struct scree_scene *scene) {
     status = scree_bodies_finish(bodies, definition_of, scene, &scene->trouble);
     if (status) return status;
     scree_scene_free_groups(scene);
+    set_period(scene);
     scree_bodies_start(bodies, 0.0);
     return SCREE_OK;
 }
@@ -460,6 +471,54 @@ static double choose_skin(const struct scree_bodies *bodies, double reach) {
     return fmax((bodies->count <= 256 ? 1.0 : 0.4) * thinnest, 1.5 * reach);
 }
 
+/* Bodies start in the domain; only what has no end along a periodic axis, or fits into it twice, may be there. */
+static scree_status check_domain(struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 0; scene->bounded && k < bodies->count; k++) {
+        int plane = bodies->shape[k].kind == SCREE_PLANE, sphere = bodies->shape[k].kind == SCREE_SPHERE;
+        if (bodies->periodic && !plane && !sphere)
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
+                                "body \"%s\" is a %s: only spheres and planes can be in a periodic domain yet",
+                                scree_name(scene, k), scree_shape_name(bodies->shape[k].kind));
+        double normal[3] = {0.0, 0.0, 0.0};
+        if (plane) vec_store(bodies->attitude[bodies->slot[k]].frame.column[2], normal);
+        for (int axis = 0; axis < 3; axis++) {
+            double x = bodies->state[k].x[axis], period = bodies->period[axis];
+            if (!plane && !(x >= scene->domain.min[axis] && x <= scene->domain.max[axis]))
+                return scree_report(&scene->trouble, SCREE_BAD_INPUT, "position",
+                                    "body \"%s\" starts outside of the domain: its %c is %.9g m, not %.9g to %.9g m",
+                                    scree_name(scene, k), "xyz"[axis], x, scene -> domain.min[axis],
+                                    scene->domain.max[axis]);
+            if (sphere && period > 0.0 && period < 4.0 * bodies->record[k].radius)
+                return scree_report(&scene->trouble, SCREE_BAD_INPUT, "domain",
+                                    "the domain repeats itself every %g m along %c: that must be two diameters of the "
+                                    "largest sphere at least, and \"%s\" is %g m wide",
+                                    period, "xyz"[axis], scree_name(scene, k), 2.0 * bodies -> record[k].radius);
+            /* 1e-9: a normal across the axis, given in decimals. */
+            if (plane && period > 0.0 && fabs(normal[axis]) > 1e-9)
+                return scree_report(&scene->trouble, SCREE_BAD_INPUT, "orientation",
+                                    "plane \"%s\" cuts the axis %c, along which the domain is periodic: it must be "
+                                    "along it",
+                                    scree_name(scene, k), "xyz"[axis]);
+        }
+    }
+    return SCREE_OK;
+}
+
+/* A body must not meet itself: its image stays beyond what the list looks ahead. */
+static scree_status check_period(struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    double largest = 0.0;
+    for (int k = 0; k < bodies->count; k++) largest = fmax(largest, bodies->record[k].radius);
+    for (int axis = 0; axis < 3; axis++)
+        if (bodies->period[axis] > 0.0 && bodies->period[axis] <= 2.0 * largest + scene->contacts.skin)
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "domain",
+                                "the domain repeats itself every %g m along %c; with forces that reach as far as "
+                                "these, it must be more than %g m",
+                                bodies->period[axis], "xyz"[axis], 2.0 * largest + scene->contacts.skin);
+    return SCREE_OK;
+}
+
 static scree_status check_start_overlaps(struct scree_scene *scene) {
     struct scree_contacts *contacts = &scene->contacts;
     for (int b = 0; b < contacts->batches; b++) {
@@ -511,11 +570,13 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status && impulses) status = keep_impulses(scene);
     if (status) return status;
     count_bodies(scene);
-    status = plan_pairs_and_step(scene);
+    status = check_domain(scene);
+    if (!status) status = plan_pairs_and_step(scene);
     if (status) return status;
     scene->contacts.skin = choose_skin(&scene->bodies, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
-    status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+    status = check_period(scene);
+    if (!status) status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
     if (status || !scene->time.energy) return status;

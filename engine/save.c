@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[24] = "scree state 3\n";
+static const char magic[24] = "scree state 4\n";
 static const uint64_t byte_order_mark = 0x0102030405060708u;
 
 /* One remembered contact. */
@@ -22,7 +22,7 @@ struct memory {
 struct scalars {
     long steps;
     double step;
-    double driven, first_energy, lost_normal, work_tangential, deepest, steepest;
+    double carried[3], driven, first_energy, lost_normal, work_tangential, deepest, steepest;
     int deepest_ball, deepest_host, steepest_ball, steepest_host;
     int energy; /* the books were kept */
 };
@@ -48,10 +48,20 @@ static void get(struct stream *s, void *data, size_t size) {
 
 /* Fingerprints of all that decides how the state goes on, part by part, so that a message can say what differs. Output, the
  * time at which a run ends, and threads are free to change; the step is looked at apart. */
-enum { PRINT_BODIES, PRINT_START, PRINT_CONTACTS, PRINT_MOTIONS, PRINT_GRAVITY, PRINT_INTEGRATOR, PRINTS };
+enum {
+    PRINT_BODIES,
+    PRINT_START,
+    PRINT_CONTACTS,
+    PRINT_MOTIONS,
+    PRINT_GRAVITY,
+    PRINT_INTEGRATOR,
+    PRINT_DOMAIN,
+    PRINTS
+};
 
 static const char *const print_names[PRINTS] = {
-    "bodies or their joints", "start positions or velocities", "contacts", "motions", "gravity", "integrator"};
+    "bodies or their joints", "start positions or velocities", "contacts", "motions", "gravity", "integrator",
+    "periodic domain"};
 
 struct prints {
     uint64_t of[PRINTS];
@@ -139,6 +149,14 @@ static uint64_t print_integrator(const scree_scene *scene) {
     return (uint64_t)scene->time.integrator + ((uint64_t)scene->time.substeps << 8);
 }
 
+/* Where the domain begins and ends counts only along periodic axes. */
+static uint64_t print_domain(const scree_scene *scene) {
+    uint64_t hash = scree_hash_start;
+    HASH_ON(hash, scene->bodies.low);
+    HASH_ON(hash, scene->bodies.period);
+    return hash;
+}
+
 static struct prints prints_of(const scree_scene *scene) {
     struct prints prints = {{0}};
     prints.of[PRINT_BODIES] = print_bodies(scene);
@@ -147,6 +165,7 @@ static struct prints prints_of(const scree_scene *scene) {
     prints.of[PRINT_MOTIONS] = print_motions(scene);
     prints.of[PRINT_GRAVITY] = print_gravity(scene);
     prints.of[PRINT_INTEGRATOR] = print_integrator(scene);
+    prints.of[PRINT_DOMAIN] = print_domain(scene);
     return prints;
 }
 
@@ -234,6 +253,7 @@ static struct scalars scalars_of(const scree_scene *scene) {
     scalars.steps = scene->steps;
     scalars.step = scene->step;
     scalars.energy = scene->time.energy;
+    memcpy(scalars.carried, scene->carried, sizeof scalars.carried);
     scalars.driven = scene->driven;
     scalars.first_energy = scene->first_energy;
     scalars.lost_normal = contacts->lost_normal;
@@ -251,6 +271,7 @@ static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
     struct scree_contacts *contacts = &scene->contacts;
     scene->steps = scalars->steps;
     scene->step = scene->plan.choice.step = scalars->step;
+    memcpy(scene->carried, scalars->carried, sizeof scene->carried);
     scene->driven = scalars->driven;
     scene->first_energy = scalars->first_energy;
     contacts->lost_normal = scalars->lost_normal;

@@ -414,6 +414,20 @@ scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def
     return SCREE_OK;
 }
 
+scree_status scree_scene_set_domain(scree_scene *scene, const scree_domain_def *def) {
+    static const char *const axes[] = {"x", "y", "z"};
+    if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene keeps its domain");
+    for (int axis = 0; axis < 3; axis++) {
+        double low = def->min[axis], high = def->max[axis];
+        if (!isfinite(low) || !isfinite(high) || !isfinite(high - low) || !(high > low))
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "max",
+                                "the domain must go up from min to max along %s, got %g and %g", axes[axis], low, high);
+    }
+    scene->domain = *def;
+    scene->bounded = 1;
+    return SCREE_OK;
+}
+
 scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def) {
     if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene keeps its step");
     const struct {

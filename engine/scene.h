@@ -54,6 +54,8 @@ struct scree_scene {
     uint64_t start;                 /* fingerprint of where and how bodies start, made with them */
     scree_gravity_def gravity;
     scree_time_def time;
+    int bounded; /* there is a domain */
+    scree_domain_def domain;
 
     /* The running scene. */
     struct scree_scene_plan plan;
@@ -62,6 +64,7 @@ struct scree_scene {
     struct scree_contacts contacts;
     double step;
     long steps;
+    double carried[3];   /* kg m, mass times way of all bodies' returns into the periodic box, against it */
     double driven;       /* J put in by drives and tilting so far */
     double first_energy; /* J at the start */
     double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */

@@ -573,8 +573,8 @@ static void read_output_bodies(struct scree_reader *r) {
 }
 
 static void read_root(struct scree_reader *r) {
-    static const char *const keys[] = {"title", "gravity", "time",     "material", "contact", "motion",
-                                       "body",  "spheres", "generate", "output",   NULL};
+    static const char *const keys[] = {"title",  "gravity", "time",    "domain",   "material", "contact",
+                                       "motion", "body",    "spheres", "generate", "output",   NULL};
     scree_check_keys(r, r->root, "the scene", keys);
     const char *title = scree_read_string(r, r->root, "title");
     into(r)->request->title = strdup(title ? title : "");
@@ -586,6 +586,7 @@ static void read_root(struct scree_reader *r) {
     scree_read_each(r, r->root, "contact", read_contact);
     scree_read_each(r, r->root, "motion", read_motion);
     if (!r->status) read_gravity(r);
+    if (!r->status) scree_read_domain(r);
     scree_read_each(r, r->root, "body", read_body);
     scree_read_each(r, r->root, "spheres", scree_read_spheres);
     scree_read_each(r, r->root, "generate", scree_read_generate);
@@ -631,10 +632,11 @@ static scree_status define(struct scree_reader *r, struct scree_toml_document *d
         check_length(r);
         return r->status;
     }
-    /* Of what baking refuses, only the step stands in one place of the file. */
+    /* Of what baking refuses, only the step and the domain stand in one place of the file. */
     const scree_trouble *cause = scree_scene_trouble(into(r)->scene);
-    const struct scree_toml *time = scree_toml_get(r->root, "time");
-    scree_pass_on(r, status, strcmp(cause->field, "step") == 0 ? time : NULL);
+    const char *place = strcmp(cause->field, "step") == 0 ? "time" : cause->field;
+    int known = strcmp(place, "time") == 0 || strcmp(place, "domain") == 0;
+    scree_pass_on(r, status, known ? scree_toml_get(r->root, place) : NULL);
     return r->status;
 }
 

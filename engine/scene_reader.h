@@ -24,6 +24,9 @@ int scree_find_named(struct scree_reader *r, const struct scree_toml *node, cons
 /* joint = "free", "fixed", or { x = …, y = …, z = …, turn = …, others = "fixed" } */
 void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scree_joint *joint);
 
+/* [domain]: where bodies start, and the axes along which all repeats. */
+void scree_read_domain(struct scree_reader *r);
+
 /* [[spheres]] and [[generate]]: many spheres at once. */
 void scree_read_spheres(struct scree_reader *r, const struct scree_toml *table);
 void scree_read_generate(struct scree_reader *r, const struct scree_toml *table);

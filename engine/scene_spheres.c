@@ -1,4 +1,4 @@
-/* Many spheres at once, from a table or from a generator. */
+/* Many spheres at once, from a table or from a generator; and the domain that they are in. */
 #include "engine/scene_reader.h"
 
 #include <math.h>
@@ -222,4 +222,22 @@ void scree_read_generate(struct scree_reader *r, const struct scree_toml *table)
     scree_read_numbers(r, table, "velocity", 3, def.velocity);
     scree_read_joint(r, table, &def.joint);
     if (!r->status) scree_pass_on(r, scree_scene_generate(scene_of(r), &def, NULL), table);
+}
+
+/* ---- the domain ---- */
+
+void scree_read_domain(struct scree_reader *r) {
+    static const char *const keys[] = {"min", "max", "periodic", NULL}, *const axes[] = {"x", "y", "z", NULL};
+    const struct scree_toml *table = scree_read_table(r, r->root, "domain");
+    if (!table) return;
+    scree_domain_def def = {.periodic = {0}};
+    const struct scree_toml *periodic = scree_toml_get(table, "periodic");
+    scree_check_keys(r, table, "[domain]", keys);
+    if (!scree_read_numbers(r, table, "min", 3, def.min) || !scree_read_numbers(r, table, "max", 3, def.max))
+        scree_complain(r, table, "[domain] needs its corners: min = [x, y, z] and max = [x, y, z]");
+    if (periodic && periodic->type != SCREE_TOML_ARRAY)
+        scree_complain(r, periodic, "periodic must be an array of axes, such as [\"x\", \"y\"]");
+    for (const struct scree_toml *axis = periodic ? periodic->first : NULL; axis && !r->status; axis = axis->next)
+        def.periodic[scree_choose(r, axis, "an axis", axes)] = 1;
+    if (!r->status) scree_pass_on(r, scree_scene_set_domain(scene_of(r), &def), table);
 }

@@ -95,6 +95,14 @@ typedef struct scree_generate_def {
     double velocity[3];    /* m/s */
 } scree_generate_def;
 
+/* The box in which bodies start (their centres), and the axes along which it repeats itself for ever: what leaves on one side
+ * comes in on the other, and spheres near one side meet the images of those near the other. Only spheres and planes (along such an
+ * axis) may be in a periodic scene. Positions are reported inside of the box; velocities are as they are. */
+typedef struct scree_domain_def {
+    double min[3], max[3]; /* m */
+    int periodic[3];       /* along x, y, z; at least two of the largest diameters long then */
+} scree_domain_def;
+
 /* An empty scene, NULL if there is no memory. The caller destroys it; NULL may be destroyed too. */
 SCREE_API scree_scene *scree_scene_create(void);
 SCREE_API void scree_scene_destroy(scree_scene *scene);
@@ -115,6 +123,7 @@ SCREE_API scree_status scree_scene_add_spheres(scree_scene *scene, const scree_s
  * SCREE_NO_MEMORY: more than the machine has memory for. */
 SCREE_API scree_status scree_scene_generate(scree_scene *scene, const scree_generate_def *def, int *first);
 SCREE_API scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def *def);
+SCREE_API scree_status scree_scene_set_domain(scree_scene *scene, const scree_domain_def *def);
 SCREE_API scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def);
 
 /* Index of a material, motion or body by name; -1 if there is none. */

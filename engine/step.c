@@ -2,6 +2,7 @@
 #include "engine/scene.h"
 
 #include <math.h>
+#include <string.h>
 
 double scree_scene_time(const scree_scene *scene) { return (double)scene->steps * scene->step; }
 double scree_scene_step_length(const scree_scene *scene) { return scene->step; }
@@ -52,6 +53,32 @@ static scree_status renew_list(scree_scene *scene) {
     return scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
 }
 
+/* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state, rounding
+ * included, depends on neither lists nor breaks. In between they may be outside. */
+enum { STEPS_TO_RETURN = 1024 };
+
+static scree_status put_back(scree_scene *scene) {
+    struct scree_bodies *bodies = &scene->bodies;
+    if (!bodies->periodic || scene->steps % STEPS_TO_RETURN != 0) return SCREE_OK;
+    scree_status status = scree_contacts_return(&scene->contacts, bodies, &scene->trouble);
+    for (int n = 0; n < scene->contacts.returns; n++) {
+        const struct scree_return *out = &scene->contacts.returned[n];
+        for (int axis = 0; axis < 3; axis++)
+            scene->carried[axis] += bodies->inertia[out->body].mass * out->periods[axis] * bodies->period[axis];
+    }
+    return status;
+}
+
+/* Make the list anew if `needed`, or if bodies have returned, which changes who meets whose image; a failure undoes their return. */
+static scree_status look_at_list(scree_scene *scene, int needed, const double carried[3]) {
+    if (!needed && !scene->contacts.returns) return SCREE_OK;
+    scree_status status = renew_list(scene);
+    if (!status || !scene->contacts.returns) return status;
+    scree_contacts_undo_return(&scene->contacts, &scene->bodies);
+    memcpy(scene->carried, carried, sizeof scene->carried);
+    return status;
+}
+
 static scree_status check_depth(scree_scene *scene) {
     const struct scree_contacts *contacts = &scene->contacts;
     if (contacts->deepest <= 1.0) return SCREE_OK;
@@ -70,6 +97,8 @@ static void book_drives(scree_scene *scene, double time) {
     double before[3], after[3];
     scree_gravity_at(scene, time, before);
     scree_gravity_at(scene, time + scene->step, after);
+    for (int axis = 0; axis < 3 && scene->gravity.tilts; axis++)
+        scene->driven -= scene->carried[axis] * (after[axis] - before[axis]);
     for (int k = 0; k < bodies->count; k++) {
         const struct scree_record *record = &bodies->record[k];
         const scree_joint *joint = &bodies->joint[k];
@@ -86,11 +115,13 @@ static void book_drives(scree_scene *scene, double time) {
 static scree_status step_by_impulses(scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step, gravity[3];
+    double carried[3] = {scene->carried[0], scene->carried[1], scene->carried[2]};
     scree_gravity_at(scene, time + 0.5 * step, gravity);
-    if (scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow)) {
-        scree_status status = renew_list(scene);
-        if (status) return status;
-    }
+    scree_status status = put_back(scene);
+    if (status) return status;
+    int too_far = scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow);
+    status = look_at_list(scene, too_far, carried);
+    if (status) return status;
     scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, scene->time.threads);
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance_by_moments(bodies, time, step, gravity);
@@ -102,11 +133,13 @@ static scree_status step_once(scree_scene *scene) {
     if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step, gravity[3];
+    double carried[3] = {scene->carried[0], scene->carried[1], scene->carried[2]};
     scree_gravity_at(scene, time + 0.5 * step, gravity);
-    if (scree_bodies_look_ahead(bodies, time, step, gravity, 0.5 * scene->contacts.skin)) {
-        scree_status status = renew_list(scene);
-        if (status) return status;
-    }
+    scree_status status = put_back(scene);
+    if (status) return status;
+    int too_far = scree_bodies_look_ahead(bodies, time, step, gravity, 0.5 * scene->contacts.skin);
+    status = look_at_list(scene, too_far, carried);
+    if (status) return status;
     scree_contacts_act(&scene->contacts, bodies, step, scene->time.threads);
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance(bodies, time, step, gravity);
