@@ -104,13 +104,12 @@ int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double ste
                             double margin) {
     int too_far = 0;
     drive_to(bodies, time + 0.5 * step);
+    /* Nobody looks at the loads of fixed bodies; they pile up unseen. */
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL)
             too_far |=
                 look_ahead_ball(&bodies->record[k], &bodies->state[k], &bodies->inertia[k], step, gravity, margin);
-        else if (bodies->class[k] == SCREE_CLASS_FIXED)
-            clear_loads(&bodies->record[k]);
-        else
+        else if (bodies->class[k] == SCREE_CLASS_GENERAL)
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);
     }
     return too_far;

@@ -484,11 +484,12 @@ static scree_status check_domain(struct scree_scene *scene) {
         if (plane) vec_store(bodies->attitude[bodies->slot[k]].frame.column[2], normal);
         for (int axis = 0; axis < 3; axis++) {
             double x = bodies->state[k].x[axis], period = bodies->period[axis];
-            if (!plane && !(x >= scene->domain.min[axis] && x <= scene->domain.max[axis]))
+            /* Programs that put bodies back now and then write places that are somewhat beyond a periodic border. */
+            double beyond = 0.5 * period, low = scene->domain.min[axis], high = scene->domain.max[axis];
+            if (!plane && !(x >= low - beyond && x <= high + beyond))
                 return scree_report(&scene->trouble, SCREE_BAD_INPUT, "position",
                                     "body \"%s\" starts outside of the domain: its %c is %.9g m, not %.9g to %.9g m",
-                                    scree_name(scene, k), "xyz"[axis], x, scene -> domain.min[axis],
-                                    scene->domain.max[axis]);
+                                    scree_name(scene, k), "xyz"[axis], x, low, high);
             if (sphere && period > 0.0 && period < 4.0 * bodies->record[k].radius)
                 return scree_report(&scene->trouble, SCREE_BAD_INPUT, "domain",
                                     "the domain repeats itself every %g m along %c: that must be two diameters of the "

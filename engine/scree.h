@@ -97,7 +97,8 @@ typedef struct scree_generate_def {
 
 /* The box in which bodies start (their centres), and the axes along which it repeats itself for ever: what leaves on one side
  * comes in on the other, and spheres near one side meet the images of those near the other. Only spheres and planes (along such an
- * axis) may be in a periodic scene. Positions are reported inside of the box; velocities are as they are. */
+ * axis) may be in a periodic scene. They may start up to half a period beyond such a side. Positions are reported inside of the box;
+ * velocities are as they are. */
 typedef struct scree_domain_def {
     double min[3], max[3]; /* m */
     int periodic[3];       /* along x, y, z; at least two of the largest diameters long then */

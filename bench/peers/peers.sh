@@ -16,9 +16,9 @@ here=$(realpath "$(dirname "$0")")
 scree=$build/scree look=$build/bench/scree-bench
 export OMP_NUM_THREADS=1 LC_ALL=C
 case $scene in
-bed) kind=bed count=10000 length=0.04 height=0.1 time=0.3 ;;
-bed-large) kind=bed count=100000 length=0.16 height=0.1 time=0.25 ;;
-chute) kind=chute count=31200 length=40 height=60 time=60 ;;
+bed) kind=bed count=10000 length=0.04 time=0.3 ;;
+bed-large) kind=bed count=100000 length=0.16 time=0.25 ;;
+chute) kind=chute count=31200 length=40 time=10 ;;
 *) echo "$usage" >&2; exit 2 ;;
 esac
 work=$build/peers/$scene
@@ -38,9 +38,8 @@ settle() {
     bed) lattice="min = [0, 0, 0]\nmax = [$length, $length, 0.5]\nspacing = 0.0022\njitter = 8e-5\nradius = 0.001" ;;
     chute) lattice="min = [0, 0, 1.5]\nmax = [40, 20, 60]\nspacing = 1.11\njitter = 0.05\nradius = 0.5" ;;
     esac
-    sed '/^\[\[spheres\]\]/,/^$/d' $kind.toml >settle.toml
-    [ $kind = chute ] && printf '[[spheres]]\nfile = "base.csv"\nmaterial = "base"\njoint = "fixed"\n' >>settle.toml
-    printf "\n[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nmaterial = \"glass\"\nseed = 7\ncount = $count\n$lattice\n" >>settle.toml
+    sed '/^# The spheres that move/,$d' $kind.toml >settle.toml
+    printf "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nmaterial = \"glass\"\nseed = 7\ncount = $count\n$lattice\n" >>settle.toml
     # shellcheck disable=SC2046
     "$scree" run settle.toml -o settled $(sizes) --set "time.end=$time" || exit 1
     cp settled/spheres.csv start.csv
