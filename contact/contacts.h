@@ -90,7 +90,7 @@ struct scree_body_pair {
 struct scree_return {
     int body;
     int periods[3];
-    double from[3]; /* where it was, m */
+    double from[3], ahead[3]; /* where its state and its record were, m */
 };
 
 struct scree_contacts {

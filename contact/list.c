@@ -360,6 +360,7 @@ scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree
         for (int axis = 0; axis < 3; axis++) any |= out.periods[axis] = periods_out(bodies, k, axis);
         if (!any) continue;
         memcpy(out.from, bodies->state[k].x, sizeof out.from);
+        memcpy(out.ahead, bodies->record[k].x, sizeof out.ahead);
         scree_status status = room_for_returns(contacts, contacts->returns + 1, trouble);
         if (status) contacts->returns = 0;
         if (status) return status;
@@ -377,7 +378,10 @@ scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree
 }
 
 void scree_contacts_undo_return(struct scree_contacts *contacts, struct scree_bodies *bodies) {
-    for (int n = 0; n < contacts->returns; n++)
-        memcpy(bodies->state[contacts->returned[n].body].x, contacts->returned[n].from, sizeof bodies->state[0].x);
+    for (int n = 0; n < contacts->returns; n++) {
+        const struct scree_return *out = &contacts->returned[n];
+        memcpy(bodies->state[out->body].x, out->from, sizeof out->from);
+        memcpy(bodies->record[out->body].x, out->ahead, sizeof out->ahead);
+    }
     contacts->returns = 0;
 }

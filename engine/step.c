@@ -55,7 +55,7 @@ static scree_status renew_list(scree_scene *scene) {
 
 /* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state, rounding
  * included, depends on neither lists nor breaks. In between they may be outside. */
-enum { STEPS_TO_RETURN = 1024 };
+enum { STEPS_TO_RETURN = 512 };
 
 static scree_status put_back(scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;

@@ -437,6 +437,29 @@ static void test_periodic_bits(void) {
     }
 }
 
+/* A prescribed sphere goes on for ever and isn't put back; once a period it passes a heavy one that stays where it is. */
+static void test_periodic_drive(void) {
+    scree_scene *scene = scene_from(
+        "[time]\nend = 1.0\nstep = 1e-4\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, 1]\nperiodic = [\"x\"]\n"
+        "[[material]]\nname = \"m\"\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear\", stiffness = 1.0, damping = 0 }\n"
+        "[[motion]]\nname = \"on\"\nkind = \"velocity\"\nvelocity = 1.0\n"
+        "[[body]]\nname = \"heavy\"\nmaterial = \"m\"\nshape = { sphere = 0.005 }\nmass = 1e9\n"
+        "position = [0.04, 0, 0]\n"
+        "[[body]]\nname = \"belt\"\nmaterial = \"m\"\nshape = { sphere = 0.005 }\nposition = [0.001, 0, 0.0095]\n"
+        "joint = { x = \"on\", others = \"fixed\" }\n",
+        NULL, 0, 1);
+    for (int period = 0; period < 12; period++)
+        for (int part = 0; part < 10; part++) {
+            double x = 0.001 + 0.05 * part / 10.0; /* they touch within sqrt(0.01^2 - 0.0095^2) = 0.0031 m of 0.04 m */
+            int count;
+            CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_OK && count == (part == 8));
+            NEAR(state_of(scene, "belt").position[0], x, 1e-12); /* the time is a sum of steps, up to 0.6 s */
+            go(scene, 50);
+        }
+    scree_scene_destroy(scene);
+}
+
 static void test_bad_domains(void) {
 #define BALL "[[body]]\nname = \"ball\"\nmaterial = \"glass\"\nshape = { sphere = 0.1 }\n"
     static const struct {
@@ -495,6 +518,7 @@ int main(void) {
     test_periodic_shift();
     test_periodic_slide();
     test_periodic_bits();
+    test_periodic_drive();
     test_bad_domains();
     test_tiny_in_huge();
     remove(table_path);
