@@ -51,6 +51,11 @@ static struct grids choose_levels(struct scree_contacts *contacts, const struct 
 /* Number of the cell along one axis; what is beyond exact whole numbers shares the outermost one. */
 static double cell_of(double x, double size) { return fmax(fmin(floor(x / size), 1e15), -1e15); }
 
+/* A coordinate as the cells have it: inside of the periodic box. */
+static double in_box(const struct scree_bodies *bodies, double x, int axis) {
+    return x - bodies->period[axis] * scree_periods_off(bodies, x, axis);
+}
+
 /* A cell's key; equal keys of different cells only cost time. */
 static uint64_t key_of(int level, const double cell[3]) {
     uint64_t key = 0x9e3779b97f4a7c15u * (uint64_t)(level + 1);
@@ -67,7 +72,8 @@ static void fill_cells(struct scree_contacts *contacts, const struct scree_bodie
     for (int k = bodies->count - 1; k >= 0; k--) {
         if (!is_bounded(bodies, k)) continue;
         double size = cell_size(grids, contacts->level[k]), cell[3];
-        for (int axis = 0; axis < 3; axis++) cell[axis] = cell_of(bodies->record[k].x[axis], size);
+        for (int axis = 0; axis < 3; axis++)
+            cell[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
         contacts->key[k] = key_of(contacts->level[k], cell);
         size_t place = (size_t)contacts->key[k] & contacts->last_place;
         contacts->next[k] = contacts->place[place];
@@ -78,7 +84,9 @@ static void fill_cells(struct scree_contacts *contacts, const struct scree_bodie
 static int bounds_meet(const struct scree_bodies *bodies, int i, int j, double skin) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     double reach = a->bound + b->bound + skin;
-    return vec_norm2(vec_sub(vec_from(a->x), vec_from(b->x))) <= reach * reach;
+    struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
+    if (bodies->periodic) apart = scree_nearest_image(bodies, apart);
+    return vec_norm2(apart) <= reach * reach;
 }
 
 /* Take up the pair if its bounds and its materials meet. */
@@ -114,20 +122,43 @@ static scree_status look_into(struct scree_contacts *contacts, const struct scre
     return status;
 }
 
-/* Partners of body k in the grid of `level`: their centres are within its reach and half a cell, their own largest reach. */
-static scree_status look_around(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                const struct grids *grids, int k, int level, scree_trouble *trouble) {
-    const struct scree_record *record = &bodies->record[k];
-    double size = cell_size(grids, level), far = reach_of(contacts, record) + 0.5 * size, low[3], high[3], cell[3];
+/* Partners of body k in the grid of `level` around `at`: their centres are within its reach and half a cell, their own
+ * largest reach. */
+static scree_status look_about(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, int level,
+                               const double at[3], double far, double size, scree_trouble *trouble) {
+    double low[3], high[3], cell[3];
     for (int axis = 0; axis < 3; axis++) {
-        low[axis] = cell_of(record->x[axis] - far, size);
-        high[axis] = cell_of(record->x[axis] + far, size);
+        low[axis] = cell_of(at[axis] - far, size);
+        high[axis] = cell_of(at[axis] + far, size);
     }
     scree_status status = SCREE_OK;
     for (cell[0] = low[0]; cell[0] <= high[0] && !status; cell[0] += 1.0)
         for (cell[1] = low[1]; cell[1] <= high[1] && !status; cell[1] += 1.0)
             for (cell[2] = low[2]; cell[2] <= high[2] && !status; cell[2] += 1.0)
                 status = look_into(contacts, bodies, k, level, cell, trouble);
+    return status;
+}
+
+/* The same around the body, and around its images whose reach crosses the border of the periodic box. */
+static scree_status look_around(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                const struct grids *grids, int k, int level, scree_trouble *trouble) {
+    const struct scree_record *record = &bodies->record[k];
+    double size = cell_size(grids, level), far = reach_of(contacts, record) + 0.5 * size, at[3];
+    if (!bodies->periodic) return look_about(contacts, bodies, k, level, record->x, far, size, trouble);
+    int first[3] = {0}, last[3] = {0}, image[3];
+    for (int axis = 0; axis < 3; axis++) {
+        double period = bodies->period[axis], from_low = in_box(bodies, record->x[axis], axis) - bodies->low[axis];
+        first[axis] = period > 0.0 && from_low + far >= period ? -1 : 0;
+        last[axis] = period > 0.0 && from_low - far <= 0.0 ? 1 : 0;
+    }
+    scree_status status = SCREE_OK;
+    for (image[0] = first[0]; image[0] <= last[0]; image[0]++)
+        for (image[1] = first[1]; image[1] <= last[1]; image[1]++)
+            for (image[2] = first[2]; image[2] <= last[2] && !status; image[2]++) {
+                for (int axis = 0; axis < 3; axis++)
+                    at[axis] = in_box(bodies, record->x[axis], axis) + image[axis] * bodies->period[axis];
+                status = look_about(contacts, bodies, k, level, at, far, size, trouble);
+            }
     return status;
 }
 

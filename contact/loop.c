@@ -145,6 +145,17 @@ static void meet_balls(int count, struct block *b) {
     }
 }
 
+/* Partners that stand whole periods off. */
+static void bring_images(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                         struct block *b) {
+    for (int lane = 0; lane < padded(count); lane++) {
+        struct vec off = scree_shift_of(bodies, &contact[lane < count ? lane : count - 1], SCREE_BALL_IMAGE);
+        b->shift[0][lane] -= off.x;
+        b->shift[1][lane] -= off.y;
+        b->shift[2][lane] -= off.z;
+    }
+}
+
 /* Partners that aren't balls, one after the other. */
 static inline void meet_others(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
                                enum scree_geometry geometry, struct block *b) {
@@ -210,6 +221,11 @@ static void gather(const struct scree_bodies *bodies, const struct scree_contact
     case SCREE_BALL_RECTANGLE:
         meet_others(bodies, contact, count, SCREE_BALL_RECTANGLE, b);
         break;
+    case SCREE_BALL_IMAGE:
+        bring_images(bodies, contact, count, b);
+        meet_balls(count, b);
+        move_all(count, 0, b);
+        return;
     default:
         meet_others(bodies, contact, count, SCREE_BALL_BOX, b);
         break;
