@@ -200,24 +200,25 @@ static void test_same_bits(const char *const *changes, int count) {
     free(text);
 }
 
-/* Once lists have grown, a step allocates nothing: neither lists, nor near lists, nor another order. */
+/* Once lists have grown, a step allocates nothing: neither lists, nor near lists, nor another order. In a gas a list grows now and
+ * then all the same; most stretches of 500 steps, with some dozens of outer lists and an ordering each, know nothing of it. */
 static void test_allocations(void) {
     char *text = gas_text(1.0);
     scree_scene *scene = scene_from(text, NULL, 0, 1);
-    go(scene, 2000);
-    long before = allocations, lists = scene->contacts.rebuilds;
-    for (int calm = 0; calm < 3; calm++) { /* a list may still grow now and then, but less and less */
-        before = allocations;
-        go(scene, 1500);
-        if (allocations == before) break;
+    go(scene, 2100);
+    int calm = 0;
+    for (int k = 0; k < 4; k++) {
+        long before = allocations, lists = scene->contacts.rebuilds;
+        go(scene, 500);
+        calm += allocations == before;
+        CHECK(scene->contacts.rebuilds > lists + 20);
     }
-    CHECK(allocations == before && scene->contacts.rebuilds > lists + 10);
+    CHECK(calm >= 2);
     scree_scene_destroy(scene);
     free(text);
 }
 
 int main(void) {
-    setenv("OMP_WAIT_POLICY", "passive", 1); /* more threads than processors mustn't wait for each other in circles */
     static const char *const pair_impulse[] = {"time.integrator=\"pair-impulse\"",
                                                "contact.0={between=[\"ball\", \"ball\"], normal={law=\"linear\", "
                                                "stiffness=2e4, restitution=0.9}, friction={law=\"coulomb\", "
