@@ -276,7 +276,8 @@ scree_status scree_pair_constants(const struct scree_contacts *contacts, const s
     for (int s = 0; s <= bodies->order.slabs && !status; s++) {
         const struct scree_part *segment = &batch->segment[s];
         struct columns pair = {{0.0}};
-        for (int k = 0; k < segment->count + SCREE_PADDING - 1 && segment->first + k < batch->capacity; k++) {
+        int filled = segment->count ? segment->count + SCREE_PADDING - 1 : 0;
+        for (int k = 0; k < filled && segment->first + k < batch->capacity; k++) {
             int index = segment->first + k; /* the padding gets what the last contact has */
             if (k < segment->count) pair = constants_of(contacts, bodies, batch, &batch->contact[index]);
             for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][index] = pair.c[c];
