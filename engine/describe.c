@@ -9,6 +9,11 @@ static void describe_bodies(const scree_scene *scene, FILE *file) {
     const struct scree_scene_plan *plan = &scene->plan;
     fprintf(file, "bodies: %d (%d moved by forces, %d driven, %d fixed)\n", scene->bodies.count, plan->free,
             plan->driven, plan->fixed);
+    if (scene->bodies.periodic) fprintf(file, "periodic along");
+    for (int axis = 0, any = 0; axis < 3; axis++)
+        if (scene->bodies.period[axis] > 0.0)
+            fprintf(file, "%s %c, every %.6g m", any++ ? "," : "", "xyz"[axis], scene -> bodies.period[axis]);
+    if (scene->bodies.periodic) fprintf(file, "\n");
     fprintf(file, "pairs of bodies: %ld, of which %ld can meet\n", plan->pairs_all, plan->pairs_meeting);
     if (plan->pairs_still)
         fprintf(file, "  skipped: %ld, since forces move neither body (fixed or driven)\n", plan->pairs_still);

@@ -111,6 +111,7 @@ expect 'in every bit' cmp "$work/end" "$work/start"
 # The scenes of many spheres; in a periodic one gravity points along the chute, and books close all the same.
 check 'bed' 0 'written to' "$scree" run "$scenes/bed.toml" -o "$work/bed" --set time.end=0.002 --set output.every=0.001
 expect 'bed: spheres' test "$(wc -l <"$work/bed/spheres.csv")" = 501
+check 'plan of a chute' 0 'periodic along x, every 0.012 m, y, every 0.006 m' "$scree" check "$scenes/chute.toml"
 check 'chute' 0 'written to' "$scree" run "$scenes/chute.toml" -o "$work/chute" --set time.end=0.01
 expect 'chute: frames' test -s "$work/chute/frames/spheres_000002.vtp"
 check 'the second half of a chute' 0 'state hash' "$scree" run "$scenes/chute.toml" -o "$work/chute-long" --set time.end=0.02 --resume "$work/chute/final.state"
