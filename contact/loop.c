@@ -219,6 +219,9 @@ static void gather(const struct scree_bodies *bodies, const struct scree_contact
 
 /* ---- laws ---- */
 
+/* What isn't inlined isn't vectorised either. */
+#define INLINE inline __attribute__((always_inline))
+
 typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
                       double *const *kept, double step);
 
@@ -227,65 +230,99 @@ typedef void law_pass(struct block *b, int count, const struct scree_law_constan
  * is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked up, not
  * compared again: a second comparison would make a branch of the law, and no vector. */
 #define NORMAL_PASS(word)                                                                                              \
+    static INLINE void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,           \
+                                        const double *const *pair, double *const *kept) {                              \
+        double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
+        struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                      \
+        struct scree_pressing at = {b->overlap[k], b->closing[k], 0.0, 0.0};                                           \
+        if (scree_normal_##word.memory) {                                                                              \
+            at.first = own[0][k];                                                                                      \
+            at.second = own[1][k];                                                                                     \
+        }                                                                                                              \
+        struct scree_normal_force f = normal_##word##_force(constants, of_pair, at);                                   \
+        if (scree_normal_##word.memory) {                                                                              \
+            own[0][k] = f.first;                                                                                       \
+            own[1][k] = f.second;                                                                                      \
+        }                                                                                                              \
+        double touching = b->touching[k], share = b->share[k];                                                         \
+        if (scree_normal_##word.reach) {                                                                               \
+            touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                             \
+            b->snap[k] =                                                                                               \
+                touching > at.second ? scree_snap_energy(scree_normal_##word.stored, constants, of_pair) : 0.0;        \
+            b->touching[k] = touching;                                                                                 \
+        }                                                                                                              \
+        double force = touching * f.elastic + share * f.damping * at.closing;                                          \
+        force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                                  \
+        b->force[k] = force;                                                                                           \
+        b->reversible[k] = touching * f.reversible;                                                                    \
+    }                                                                                                                  \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
                                    const double *const *pair, double *const *kept, double step) {                      \
-        (void)step;                                                                                                    \
         struct scree_law_constants constants = *law;                                                                   \
-        double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
+        (void)step;                                                                                                    \
         _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) {                                                                      \
-            struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                  \
-            struct scree_pressing at = {b->overlap[k], b->closing[k], 0.0, 0.0};                                       \
-            if (scree_normal_##word.memory) {                                                                          \
-                at.first = own[0][k];                                                                                  \
-                at.second = own[1][k];                                                                                 \
-            }                                                                                                          \
-            struct scree_normal_force f = normal_##word##_force(&constants, of_pair, at);                              \
-            if (scree_normal_##word.memory) {                                                                          \
-                own[0][k] = f.first;                                                                                   \
-                own[1][k] = f.second;                                                                                  \
-            }                                                                                                          \
-            double touching = b->touching[k], share = b->share[k];                                                     \
-            if (scree_normal_##word.reach) {                                                                           \
-                touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                         \
-                b->snap[k] =                                                                                           \
-                    touching > at.second ? scree_snap_energy(scree_normal_##word.stored, &constants, of_pair) : 0.0;   \
-                b->touching[k] = touching;                                                                             \
-            }                                                                                                          \
-            double force = touching * f.elastic + share * f.damping * at.closing;                                      \
-            force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                              \
-            b->force[k] = force;                                                                                       \
-            b->reversible[k] = touching * f.reversible;                                                                \
-        }                                                                                                              \
+        for (int k = 0; k < padded(count); k++) normal_at_##word(b, k, &constants, pair, kept);                        \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
 
 /* One pass per friction law. The memory belongs to the ends of steps, the velocity to their middle. */
 #define FRICTION_PASS(word)                                                                                            \
+    static INLINE void friction_at_##word(struct block *b, int k, const struct scree_law_constants *constants,         \
+                                          const double *const *pair, double *const *kept, double half) {               \
+        double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                         \
+        struct scree_pair_constants of_pair = {                                                                        \
+            {pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};                               \
+        struct scree_sliding at = {                                                                                    \
+            .normal = normal, .overlap = b->overlap[k], .half = half, .velocity = get(b->slip, k)};                    \
+        if (scree_friction_##word.memory) {                                                                            \
+            at.stretch = scree_into_tangent_plane(vec(kept[0][k], kept[1][k], kept[2][k]), get(b->n, k));              \
+            at.sliding = kept[3][k];                                                                                   \
+        }                                                                                                              \
+        struct scree_tangential f = friction_##word##_force(constants, of_pair, at);                                   \
+        put(b->friction, k, f.force);                                                                                  \
+        if (scree_friction_##word.memory) {                                                                            \
+            put_kept(kept, k, vec_scale(b->touching[k], f.stretch));                                                   \
+            kept[3][k] = b->touching[k] * f.sliding;                                                                   \
+        }                                                                                                              \
+    }                                                                                                                  \
     static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
                                      const double *const *pair, double *const *kept, double step) {                    \
         struct scree_law_constants constants = *law;                                                                   \
         double half = 0.5 * step;                                                                                      \
         _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) {                                                                      \
-            double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                     \
-            struct scree_pair_constants of_pair = {                                                                    \
-                {pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};                           \
-            struct scree_sliding at = {                                                                                \
-                .normal = normal, .overlap = b->overlap[k], .half = half, .velocity = get(b->slip, k)};                \
-            if (scree_friction_##word.memory) {                                                                        \
-                at.stretch = scree_into_tangent_plane(vec(kept[0][k], kept[1][k], kept[2][k]), get(b->n, k));          \
-                at.sliding = kept[3][k];                                                                               \
-            }                                                                                                          \
-            struct scree_tangential f = friction_##word##_force(&constants, of_pair, at);                              \
-            put(b->friction, k, f.force);                                                                              \
-            if (scree_friction_##word.memory) {                                                                        \
-                put_kept(kept, k, vec_scale(b->touching[k], f.stretch));                                               \
-                kept[3][k] = b->touching[k] * f.sliding;                                                               \
-            }                                                                                                          \
-        }                                                                                                              \
+        for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half);                \
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
+
+/* Pairs of laws that often go together make one pass more, in which they share what both need (the root of the overlap). */
+#define COMMON_PAIRS(PAIR) PAIR(tsuji, mindlin) PAIR(tsuji_cut, mindlin) PAIR(hertz, mindlin)
+#define COMMON_PASS(one, other)                                                                                        \
+    static void common_pass_##one##_##other(struct block *b, int count, const struct scree_rule *rule,                 \
+                                            const double *const *pair, double *const *kept, double step) {             \
+        struct scree_law_constants normal = rule->normal_constants, friction = rule->friction_constants;               \
+        double half = 0.5 * step;                                                                                      \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) {                                                                      \
+            normal_at_##one(b, k, &normal, pair, kept);                                                                \
+            friction_at_##other(b, k, &friction, pair, kept, half);                                                    \
+        }                                                                                                              \
+    }
+COMMON_PAIRS(COMMON_PASS)
+
+#define INDEX(word) NORMAL_##word,
+enum { SCREE_NORMAL_LAWS(INDEX) };
+#undef INDEX
+#define INDEX(word) FRICTION_##word,
+enum { SCREE_FRICTION_LAWS(INDEX) };
+#undef INDEX
+
+#define ENTRY(one, other) {NORMAL_##one, FRICTION_##other, common_pass_##one##_##other},
+static const struct {
+    int normal, friction;
+    void (*pass)(struct block *b, int count, const struct scree_rule *rule, const double *const *pair,
+                 double *const *kept, double step);
+} common[] = {COMMON_PAIRS(ENTRY)};
+#undef ENTRY
 
 /* Columns for the rolling laws: lever x angular velocity of the ball against the host, m/s. */
 static inline struct vec turning_at(const struct block *b, int k, double lever) {
@@ -415,6 +452,17 @@ static struct losses measure_losses(const struct block *b, int count, double ste
     return (struct losses){normal, tangential};
 }
 
+static void press_and_rub(struct block *b, int count, const struct scree_rule *rule, const double *const *pair,
+                          double *const *kept, double step) {
+    for (size_t c = 0; c < sizeof common / sizeof *common; c++)
+        if (common[c].normal == rule->normal && common[c].friction == rule->friction) {
+            common[c].pass(b, count, rule, pair, kept, step);
+            return;
+        }
+    normal_passes[rule->normal](b, count, &rule->normal_constants, pair, kept, step);
+    if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
+}
+
 /* All passes but the last. */
 static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_batch *batch, int first, int count, double step, struct block *b) {
@@ -425,8 +473,7 @@ static void press(const struct scree_contacts *contacts, const struct scree_bodi
     for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
     gather(bodies, batch->contact + first, count, batch->geometry, b);
     share_out(count, step, b);
-    normal_passes[rule->normal](b, count, &rule->normal_constants, pair, kept, step);
-    if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
+    press_and_rub(b, count, rule, pair, kept, step);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
 }
 
