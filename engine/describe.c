@@ -105,6 +105,13 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
     describe_impacts(scene, rule, file);
 }
 
+static void describe_order(const scree_scene *scene, FILE *file) {
+    const struct scree_order *order = &scene->bodies.order;
+    if (!order->slabs) return;
+    fprintf(file, "bodies in the order of space: %d balls in %d slabs across %c\n",
+            scene->bodies.count - order->members, order->slabs, "xyz"[order->axis[0]]);
+}
+
 static void describe_near(const scree_scene *scene, FILE *file) {
     static const char *const names[SCREE_GEOMETRIES] = {"ball on ball", "ball on plane", "ball on rectangle",
                                                         "ball on box", "ball on the image of a ball"};
@@ -193,6 +200,7 @@ void scree_scene_describe(const scree_scene *scene, FILE *file) {
     describe_bodies(scene, file);
     fprintf(file, "materials in contact:\n");
     for (int k = 0; k < scene->contacts.rules; k++) describe_rule(scene, &scene->contacts.rule[k], file);
+    describe_order(scene, file);
     describe_near(scene, file);
     describe_step(scene, file);
     describe_stages(scene, file);
