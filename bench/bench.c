@@ -16,6 +16,7 @@ static const char help[] =
     "  process   time of a step in small scenes: a box on a plane, the process model; and where it goes\n"
     "  hot       time of a step of settled beds of spheres: per body, per contact, memory, lists\n"
     "  impact    error of the restitution against the step, for each normal law with a closed form\n"
+    "  look      what many spheres are like: packing, coordination, energy; to compare with other programs' states\n"
     "  laws      time of a contact in the loop, for every contact law\n"
     "  lm        time of a least-squares solve; calls and digits on test problems; beside other solvers\n"
     "  plan      time of planning 41 operating speeds with the process model, against the clearance left\n"
@@ -33,7 +34,7 @@ static const struct {
     {"process", bench_process},     {"hot", bench_hot},     {"impact", bench_impact},
     {"laws", bench_laws},           {"lm", bench_lm},       {"plan", bench_plan},
     {"precision", bench_precision}, {"skips", bench_skips}, {"stability", bench_stability},
-    {"stress", bench_stress},
+    {"stress", bench_stress},       {"look", bench_look},
 };
 
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };

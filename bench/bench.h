@@ -7,6 +7,7 @@
 int bench_process(int count, char **words);
 int bench_hot(int count, char **words);
 int bench_impact(int count, char **words);
+int bench_look(int count, char **words);
 int bench_laws(int count, char **words);
 int bench_lm(int count, char **words);
 int bench_plan(int count, char **words);

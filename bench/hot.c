@@ -1,6 +1,7 @@
 /* scree-bench hot: the contact loop at scale, on settled beds of spheres, through the public functions. */
 #include "bench/bench.h"
 
+#include "contact/loop.h"
 #include "engine/cli/cli.h"
 
 #include <math.h>
@@ -21,11 +22,14 @@ static const char help[] =
     "memory; plain: Hertz's\n"
     "spring alone. --write keeps the settled bed (positions, velocities, spins), --read takes it up again, so that "
     "builds can be\n"
-    "compared on one bed. Columns: bodies, threads, nanoseconds per body and step (median of the repeats, and the "
-    "least), contacts that\n"
-    "touch per body, and that are computed, nanoseconds per touching contact and step, outer and near lists made anew "
-    "during the repeats,\n"
-    "bytes of memory per body (resident, all told), hash of the state.\n"
+    "compared on one bed. Columns: processor's path (SCREE_ISA=baseline, avx2 or avx512 asks for one), laws, bodies, "
+    "threads;\n"
+    "nanoseconds per body and step, median of the repeats and least, and those of the contacts run alone; contacts "
+    "that "
+    "touch per\n"
+    "body, and that are computed; nanoseconds per touching contact and step; near lists made during the repeats, and "
+    "nanoseconds per\n"
+    "body for each; the same for outer lists; bytes of memory per body (resident, all told); hash of the state.\n"
     "\n"
     "example: scree-bench hot --bodies 10000 --steps 100 --repeats 9\n";
 
@@ -152,6 +156,26 @@ static double resident(void) {
     return (double)pages * (double)sysconf(_SC_PAGESIZE);
 }
 
+/* Nanoseconds per body of stages run alone, on the scene as it is at the end: contacts, a near list, an outer list with its near
+ * list. What is left of a step is the moving of bodies. */
+struct stages {
+    double contacts, near, outer;
+};
+
+static struct stages time_stages(scree_scene *scene, int bodies, int threads, int steps) {
+    struct stages stages;
+    double start = bench_now();
+    for (int k = 0; k < steps; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, threads);
+    stages.contacts = (bench_now() - start) / ((double)steps * bodies) * 1e9;
+    start = bench_now();
+    check(scene, scree_contacts_pick(&scene->contacts, &scene->bodies, threads, NULL));
+    stages.near = (bench_now() - start) / bodies * 1e9;
+    start = bench_now();
+    check(scene, scree_contacts_list(&scene->contacts, &scene->bodies, NULL));
+    stages.outer = (bench_now() - start) / bodies * 1e9;
+    return stages;
+}
+
 struct request {
     const char *laws, *write, *read;
     int bodies, threads, steps, repeats, settle;
@@ -180,9 +204,12 @@ static void run(const struct request *request) {
     int touching = 0;
     check(scene, scree_scene_contacts(scene, NULL, 0, &touching));
     double median = bench_median(times, request->repeats), contacts = (double)touching / request->bodies;
-    printf("%s,%d,%d,%.2f,%.2f,%.3f,%.3f,%.2f,%ld,%ld,%.0f,%016llx\n", request->laws, request->bodies, request->threads,
-           median, times[0], contacts, (double)listed / request->bodies, median / contacts, lists, renewals, bytes,
-           (unsigned long long)scree_scene_hash(scene));
+    uint64_t hash = scree_scene_hash(scene);
+    struct stages stages = time_stages(scene, request->bodies, request->threads, request->steps);
+    printf("%s,%s,%d,%d,%.2f,%.2f,%.2f,%.3f,%.3f,%.2f,%ld,%.1f,%ld,%.0f,%.0f,%016llx\n", scene->contacts.loop->name,
+           request->laws, request->bodies, request->threads, median, times[0], stages.contacts, contacts,
+           (double)listed / request->bodies, median / contacts, renewals, stages.near, lists, stages.outer, bytes,
+           (unsigned long long)hash);
     scree_scene_destroy(scene);
 }
 
@@ -207,8 +234,8 @@ int bench_hot(int count, char **words) {
     request.settle = cli_whole_number(settle, "--settle", 100000000);
     if (!request.bodies || !request.threads || !request.steps || !request.repeats || !request.settle) return EXIT_USAGE;
     bench_describe_machine();
-    printf("laws,bodies,threads,body_step_ns,least_ns,contacts_per_body,listed_per_body,contact_step_ns,lists,near_"
-           "lists,bytes_per_body,hash\n");
+    printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"
+           "contact_step_ns,near_lists,near_list_ns,outer_lists,outer_list_ns,bytes_per_body,hash\n");
     run(&request);
     return EXIT_GOOD;
 }

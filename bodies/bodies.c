@@ -145,7 +145,8 @@ static void set_attitude(struct scree_bodies *bodies, int index, const scree_bod
     vec_store(mat_apply(&attitude->frame, vec_times(moments, body_spin)), bodies->state[index].l);
 }
 
-scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_def *defs, scree_trouble *trouble) {
+scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),
+                                 const void *context, scree_trouble *trouble) {
     for (int k = 0; k < bodies->count; k++) {
         int ball = bodies->shape[k].kind == SCREE_SPHERE && bodies->class[k] != SCREE_CLASS_GENERAL;
         bodies->slot[k] = ball ? -1 : bodies->attitudes++;
@@ -155,8 +156,11 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_d
     bodies->corner = aligned_zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
     if (!bodies->attitude || !bodies->corner)
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the attitudes of %zu bodies", attitudes);
-    for (int k = 0; k < bodies->count; k++)
-        if (bodies->slot[k] >= 0) set_attitude(bodies, k, &defs[k]);
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->slot[k] < 0) continue;
+        scree_body_def one = def(context, k);
+        set_attitude(bodies, k, &one);
+    }
     return SCREE_OK;
 }
 

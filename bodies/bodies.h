@@ -101,6 +101,8 @@ struct scree_bodies {
     int motions;
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
+    int periodic;                     /* along some axis */
+    double low[3], period[3];         /* where the box begins and after what length all repeats, m; 0: never */
 };
 
 /* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. Takes over `motions` motions. */
@@ -117,8 +119,9 @@ struct quat scree_start_attitude(const scree_body_def *def);
 /* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. */
 void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density);
 
-/* Give every body that isn't a ball its attitude; call once after all bodies are set. */
-scree_status scree_bodies_finish(struct scree_bodies *bodies, const scree_body_def *defs, scree_trouble *trouble);
+/* Give every body that isn't a ball its attitude, from its definition; call once after all bodies are set. */
+scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),
+                                 const void *context, scree_trouble *trouble);
 
 /* Put driven bodies where their motions have them at `time`, and bring every record to the instant of the state. */
 void scree_bodies_start(struct scree_bodies *bodies, double time);
@@ -142,6 +145,12 @@ void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double ti
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
  * by scree_bodies_shadow (or `bodies` itself). */
 void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow);
+
+/* How many periods a coordinate is beyond the box. */
+static inline double scree_periods_off(const struct scree_bodies *bodies, double x, int axis) {
+    double period = bodies->period[axis];
+    return period > 0.0 ? floor((x - bodies->low[axis]) / period) : 0.0;
+}
 
 /* A second set of records, attitudes and corners beside the shared rest of `bodies`. Free it with
  * scree_bodies_free_shadow. */

@@ -51,6 +51,11 @@ static struct grids choose_levels(struct scree_contacts *contacts, const struct 
 /* Number of the cell along one axis; what is beyond exact whole numbers shares the outermost one. */
 static double cell_of(double x, double size) { return fmax(fmin(floor(x / size), 1e15), -1e15); }
 
+/* A coordinate as the cells have it: inside of the periodic box. */
+static double in_box(const struct scree_bodies *bodies, double x, int axis) {
+    return x - bodies->period[axis] * scree_periods_off(bodies, x, axis);
+}
+
 /* A cell's key; equal keys of different cells only cost time. */
 static uint64_t key_of(int level, const double cell[3]) {
     uint64_t key = 0x9e3779b97f4a7c15u * (uint64_t)(level + 1);
@@ -67,7 +72,8 @@ static void fill_cells(struct scree_contacts *contacts, const struct scree_bodie
     for (int k = bodies->count - 1; k >= 0; k--) {
         if (!is_bounded(bodies, k)) continue;
         double size = cell_size(grids, contacts->level[k]), cell[3];
-        for (int axis = 0; axis < 3; axis++) cell[axis] = cell_of(bodies->record[k].x[axis], size);
+        for (int axis = 0; axis < 3; axis++)
+            cell[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
         contacts->key[k] = key_of(contacts->level[k], cell);
         size_t place = (size_t)contacts->key[k] & contacts->last_place;
         contacts->next[k] = contacts->place[place];
@@ -78,7 +84,9 @@ static void fill_cells(struct scree_contacts *contacts, const struct scree_bodie
 static int bounds_meet(const struct scree_bodies *bodies, int i, int j, double skin) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     double reach = a->bound + b->bound + skin;
-    return vec_norm2(vec_sub(vec_from(a->x), vec_from(b->x))) <= reach * reach;
+    struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
+    if (bodies->periodic) apart = scree_nearest_image(bodies, apart);
+    return vec_norm2(apart) <= reach * reach;
 }
 
 /* Take up the pair if its bounds and its materials meet. */
@@ -100,34 +108,77 @@ static scree_status add_pair(struct scree_contacts *contacts, const struct scree
     return SCREE_OK;
 }
 
-/* Partners of body k in one cell. In its own grid only those of higher number: each pair is found once. */
+/* Partners of body k in one cell; `after`: only those of higher number, in its own cell, so that each pair is found once. */
 static scree_status look_into(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, int level,
-                              const double cell[3], scree_trouble *trouble) {
+                              const double cell[3], int after, scree_trouble *trouble) {
     uint64_t key = key_of(level, cell);
     scree_status status = SCREE_OK;
     for (int other = contacts->place[(size_t)key & contacts->last_place]; other >= 0 && !status;
          other = contacts->next[other]) {
         if (contacts->key[other] != key || contacts->level[other] != level) continue;
-        if (level == contacts->level[k] && other <= k) continue;
+        if (after && other <= k) continue;
         status = add_pair(contacts, bodies, k, other, trouble);
     }
     return status;
 }
 
-/* Partners of body k in the grid of `level`: their centres are within its reach and half a cell, their own largest reach. */
-static scree_status look_around(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                const struct grids *grids, int k, int level, scree_trouble *trouble) {
-    const struct scree_record *record = &bodies->record[k];
-    double size = cell_size(grids, level), far = reach_of(contacts, record) + 0.5 * size, low[3], high[3], cell[3];
+/* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are enough, since
+ * the other half look from there. */
+static scree_status look_beside(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                const struct grids *grids, int k, scree_trouble *trouble) {
+    int level = contacts->level[k];
+    double size = cell_size(grids, level), own[3], cell[3];
+    for (int axis = 0; axis < 3; axis++) own[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
+    scree_status status = look_into(contacts, bodies, k, level, own, 1, trouble);
+    for (int n = 14; n < 27 && !status; n++) { /* 13 would be its own */
+        cell[0] = own[0] + (n / 9 - 1);
+        cell[1] = own[1] + (n / 3 % 3 - 1);
+        cell[2] = own[2] + (n % 3 - 1);
+        status = look_into(contacts, bodies, k, level, cell, 0, trouble);
+    }
+    return status;
+}
+
+/* Partners of body k in the grid of `level` around `at`: their centres are within its reach and half a cell, their own
+ * largest reach. */
+static scree_status look_about(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, int level,
+                               const double at[3], double far, double size, int after, scree_trouble *trouble) {
+    double low[3], high[3], cell[3];
     for (int axis = 0; axis < 3; axis++) {
-        low[axis] = cell_of(record->x[axis] - far, size);
-        high[axis] = cell_of(record->x[axis] + far, size);
+        low[axis] = cell_of(at[axis] - far, size);
+        high[axis] = cell_of(at[axis] + far, size);
     }
     scree_status status = SCREE_OK;
     for (cell[0] = low[0]; cell[0] <= high[0] && !status; cell[0] += 1.0)
         for (cell[1] = low[1]; cell[1] <= high[1] && !status; cell[1] += 1.0)
             for (cell[2] = low[2]; cell[2] <= high[2] && !status; cell[2] += 1.0)
-                status = look_into(contacts, bodies, k, level, cell, trouble);
+                status = look_into(contacts, bodies, k, level, cell, after, trouble);
+    return status;
+}
+
+/* The same in a coarser grid around the body, and around its images whose reach crosses the border of the periodic box. In its own
+ * grid only these: what it can meet without crossing the border, look_beside finds. */
+static scree_status look_around(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                const struct grids *grids, int k, int level, scree_trouble *trouble) {
+    const struct scree_record *record = &bodies->record[k];
+    double size = cell_size(grids, level), far = reach_of(contacts, record) + 0.5 * size, at[3];
+    int own = level == contacts->level[k];
+    if (!bodies->periodic) return look_about(contacts, bodies, k, level, record->x, far, size, 0, trouble);
+    int first[3] = {0}, last[3] = {0}, image[3];
+    for (int axis = 0; axis < 3; axis++) {
+        double period = bodies->period[axis], from_low = in_box(bodies, record->x[axis], axis) - bodies->low[axis];
+        first[axis] = period > 0.0 && from_low + far >= period ? -1 : 0;
+        last[axis] = period > 0.0 && from_low - far <= 0.0 ? 1 : 0;
+    }
+    scree_status status = SCREE_OK;
+    for (image[0] = first[0]; image[0] <= last[0]; image[0]++)
+        for (image[1] = first[1]; image[1] <= last[1]; image[1]++)
+            for (image[2] = first[2]; image[2] <= last[2] && !status; image[2]++) {
+                if (own && image[0] == 0 && image[1] == 0 && image[2] == 0) continue;
+                for (int axis = 0; axis < 3; axis++)
+                    at[axis] = in_box(bodies, record->x[axis], axis) + image[axis] * bodies->period[axis];
+                status = look_about(contacts, bodies, k, level, at, far, size, own, trouble);
+            }
     return status;
 }
 
@@ -172,7 +223,8 @@ scree_status scree_candidates(struct scree_contacts *contacts, const struct scre
     scree_status status = meet_planes(contacts, bodies, trouble);
     for (int k = 0; k < bodies->count && !status; k++) {
         if (!is_bounded(bodies, k)) continue;
-        for (int level = contacts->level[k]; level <= grids.highest && !status; level++)
+        status = look_beside(contacts, bodies, &grids, k, trouble);
+        for (int level = contacts->level[k] + !bodies->periodic; level <= grids.highest && !status; level++)
             if (grids.used[level]) status = look_around(contacts, bodies, &grids, k, level, trouble);
     }
     if (status) return status;

@@ -105,6 +105,8 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     free(contacts->next);
     free(contacts->place);
     free(contacts->start);
+    free(contacts->returned);
+    free(contacts->moving);
     *contacts = (struct scree_contacts){0};
 }
 
@@ -127,5 +129,5 @@ double scree_effective_mass(const struct scree_bodies *bodies, int i, int j) {
 
 double scree_effective_radius(const struct scree_bodies *bodies, int ball, int host, enum scree_geometry geometry) {
     double r = bodies->record[ball].radius, other = bodies->record[host].radius;
-    return geometry == SCREE_BALL_BALL ? r * other / (r + other) : r;
+    return geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE ? r * other / (r + other) : r;
 }

@@ -29,10 +29,17 @@ enum {
     SCREE_PAIR_COLUMNS = SCREE_PAIR_LEVER + 1
 };
 
-enum scree_geometry { SCREE_BALL_BALL, SCREE_BALL_PLANE, SCREE_BALL_RECTANGLE, SCREE_BALL_BOX, SCREE_GEOMETRIES };
+enum scree_geometry {
+    SCREE_BALL_BALL,
+    SCREE_BALL_PLANE,
+    SCREE_BALL_RECTANGLE,
+    SCREE_BALL_BOX,
+    SCREE_BALL_IMAGE, /* a ball on another that stands whole periods off; a batch of its own, so that the others pay nothing */
+    SCREE_GEOMETRIES
+};
 
 /* One contact: ball on body `ball`, partner body `host`; `corner` is a row of the bodies' corner table (0: the ball is the
- * body's centre). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next list. */
+ * body's centre), of SCREE_BALL_IMAGE the code of its periods (scree_code_of, never 0). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next list. */
 struct scree_contact {
     int ball, host, corner;
 };
@@ -129,6 +136,13 @@ struct scree_body_pair {
     int i, j; /* i < j */
 };
 
+/* A body that returns into the periodic box: it is `periods` beyond it. */
+struct scree_return {
+    int body; /* its place */
+    int periods[3];
+    double from[3], ahead[3]; /* where its state and its record were, m */
+};
+
 struct scree_contacts {
     const struct scree_loop *loop; /* for this processor */
     int materials;
@@ -159,6 +173,10 @@ struct scree_contacts {
     int scratches;
     int *index; /* scratch for sorting contacts */
     int indices;
+    int returns, return_capacity; /* bodies that are returning into the periodic box, by rising place */
+    struct scree_return *returned;
+    int moving_capacity;
+    struct scree_moving *moving; /* scratch for contacts that change their batch on it (near.c) */
 
     int substeps;           /* of the pair-impulse method */
     int measured;           /* sum up dissipation */
@@ -259,8 +277,39 @@ static inline double scree_thickness(const struct scree_record *ball) { return b
 
 /* Whether the contact can turn its bodies. It depends on the contact alone: what else is listed must not change a bit. */
 static inline int scree_contact_turns(const struct scree_batch *batch, const struct scree_contact *contact) {
-    return batch->turns || contact->corner > 0;
+    return batch->turns || (contact->corner > 0 && batch->geometry != SCREE_BALL_IMAGE);
 }
+
+/* Periods by which a partner stands off, as one number and back. */
+enum { SCREE_MOST_PERIODS = 511 };
+
+static inline int scree_code_of(const int periods[3]) {
+    int code = 0;
+    for (int axis = 0; axis < 3; axis++) code = (code << 10) | ((periods[axis] + SCREE_MOST_PERIODS + 1) & 1023);
+    return code;
+}
+
+static inline int scree_periods_of(int code, int axis) {
+    return ((code >> (10 * (2 - axis))) & 1023) - SCREE_MOST_PERIODS - 1;
+}
+
+/* A way between two bodies, less whole periods: the shortest. */
+static inline struct vec scree_nearest_image(const struct scree_bodies *bodies, struct vec apart) {
+    double d[3] = {apart.x, apart.y, apart.z};
+    for (int axis = 0; axis < 3; axis++)
+        if (bodies->period[axis] > 0.0) d[axis] -= bodies->period[axis] * floor(d[axis] / bodies->period[axis] + 0.5);
+    return vec(d[0], d[1], d[2]);
+}
+
+/* Put every free body that has left the periodic box back into it, and make the lists anew; how many have is in `returns` then.
+ * SCREE_NO_MEMORY: nothing was changed, in every bit. */
+scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                                   scree_trouble *trouble);
+
+/* Let contacts of the bodies in `returned` name the images that they mean now, in the batches that these belong to. Lists are
+ * to be made after it. */
+scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                   scree_trouble *trouble);
 
 /* Add what a block of segment 0 has yielded to its bodies and to the scene's sums, contact by contact. */
 void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,

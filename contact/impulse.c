@@ -545,11 +545,11 @@ struct view {
 
 static struct view view_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
                            enum scree_geometry geometry) {
-    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    struct vec corner = vec_from(bodies->corner[contact->corner]);
+    const struct scree_record *ball = &bodies->record[contact->ball];
+    struct vec corner = scree_corner_of(bodies, contact, geometry);
     struct scree_meeting m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
     return (struct view){m.normal, vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
-                         vec_sub(vec_from(ball->x), vec_from(host->x)), m.overlap};
+                         scree_apart(bodies, contact, geometry), m.overlap};
 }
 
 /* Turn a vector as the normal turns from `a` to `b`. */
@@ -935,7 +935,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
             struct vec force = vec_axpy(touch.tangential, touch.normal_force, touch.normal);
             struct vec impulse = vec_scale(step, force);
             struct vec ball_arm = vec_sub(touch.point, vec_from(now->record[touch.ball].x));
-            struct vec host_arm = vec_sub(touch.point, vec_from(now->record[touch.host].x));
+            struct vec host_arm = vec_add(ball_arm, scree_apart(now, &batch->contact[k], batch->geometry));
             int turns = scree_contact_turns(batch, &batch->contact[k]);
             struct vec ball_turn = vec_scale(turns, vec_cross(ball_arm, impulse));
             struct vec host_turn = vec_scale(turns, vec_cross(impulse, host_arm));

@@ -1,7 +1,7 @@
 /* The outer list: contacts that may get near before bodies have gone half a skin, made from candidate pairs. */
 #include "contact/contacts.h"
 
-#include "contact/geometry.h"
+#include "contact/meet.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +47,7 @@ static enum scree_geometry geometry_on(scree_shape_kind host) {
 int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,
                      const struct scree_contact *contact) {
     int a = bodies->slab[contact->ball], b = bodies->slab[contact->host];
-    if (a < 0) return 0;
+    if (a < 0 || batch->geometry == SCREE_BALL_IMAGE) return 0;
     if (b < 0) {
         int frozen = batch->geometry != SCREE_BALL_BALL && bodies->class[contact->host] == SCREE_CLASS_FIXED;
         return frozen ? 1 + a : 0;
@@ -85,9 +85,8 @@ static void sort(struct scree_batch *batch) {
 /* What is done with a contact that the candidates yield: counted, or put in its place. */
 enum pass { COUNT, FILL };
 
-static void take(struct scree_contacts *contacts, const struct scree_bodies *bodies, const struct scree_rule *rule,
-                 const struct scree_contact *contact, enum pass pass) {
-    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[contact->host].kind));
+static void take(const struct scree_bodies *bodies, struct scree_batch *batch, const struct scree_contact *contact,
+                 enum pass pass) {
     struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
     if (pass == FILL) batch->outer[segment->outer_first + segment->outer_count] = *contact;
     batch->any_turns |= scree_contact_turns(batch, contact);
@@ -97,11 +96,12 @@ static void take(struct scree_contacts *contacts, const struct scree_bodies *bod
 /* The balls of body `ball` that are near body `host`: its corners, or itself. */
 static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                        const struct scree_rule *rule, int ball, int host, enum pass pass) {
+    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[host].kind));
     int box = bodies->shape[ball].kind == SCREE_BOX;
     int first = box ? 1 + 8 * bodies->slot[ball] : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
-        if (scree_gap(bodies, &contact, contacts->skin) <= contacts->skin) take(contacts, bodies, rule, &contact, pass);
+        if (scree_gap(bodies, &contact, contacts->skin) <= contacts->skin) take(bodies, batch, &contact, pass);
     }
 }
 
@@ -119,11 +119,44 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
     contacts->deepest_host = bodies->number[j];
 }
 
+/* A ball on one image of another: `periods` off; on the other itself if they are none. */
+static void take_image(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                       const struct scree_rule *rule, int ball, int host, const int periods[3], enum pass pass) {
+    int off = periods[0] != 0 || periods[1] != 0 || periods[2] != 0;
+    struct scree_contact contact = {ball, host, off ? scree_code_of(periods) : 0};
+    enum scree_geometry geometry = off ? SCREE_BALL_IMAGE : SCREE_BALL_BALL;
+    double gap =
+        vec_norm(scree_apart(bodies, &contact, geometry)) - bodies->record[ball].radius - bodies->record[host].radius;
+    if (gap <= contacts->skin) take(bodies, scree_batch_for(contacts, rule, geometry), &contact, pass);
+}
+
+/* A ball on the nearest image of another, and where the box is so small that several are in reach on those too. */
+static void take_images(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_rule *rule, int ball, int host, enum pass pass) {
+    const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
+    double reach = a->radius + b->radius + contacts->skin;
+    int first[3], last[3], periods[3];
+    for (int axis = 0; axis < 3; axis++) {
+        double period = bodies->period[axis], off = period > 0.0 ? (a->x[axis] - b->x[axis]) / period : 0.0;
+        int nearest = (int)fmax(fmin(floor(off + 0.5), SCREE_MOST_PERIODS - 1), 1 - SCREE_MOST_PERIODS);
+        int more = period > 0.0 && period < 2.0 * reach;
+        first[axis] = nearest - more;
+        last[axis] = nearest + more;
+    }
+    for (periods[0] = first[0]; periods[0] <= last[0]; periods[0]++)
+        for (periods[1] = first[1]; periods[1] <= last[1]; periods[1]++)
+            for (periods[2] = first[2]; periods[2] <= last[2]; periods[2]++)
+                take_image(contacts, bodies, rule, ball, host, periods, pass);
+}
+
 static void take_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
                       enum pass pass) {
     const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, i, j, NULL);
     scree_shape_kind a = bodies->shape[i].kind, b = bodies->shape[j].kind;
-    if (a == SCREE_SPHERE && b == SCREE_SPHERE && bodies->number[i] > bodies->number[j])
+    if (bodies->periodic && a == SCREE_SPHERE && b == SCREE_SPHERE) {
+        int swap = bodies->number[i] > bodies->number[j];
+        take_images(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
+    } else if (a == SCREE_SPHERE && b == SCREE_SPHERE && bodies->number[i] > bodies->number[j])
         take_balls(contacts, bodies, rule, j, i, pass); /* who is the ball mustn't depend on the order */
     else if (a == SCREE_SPHERE)
         take_balls(contacts, bodies, rule, i, j, pass);
@@ -243,7 +276,8 @@ scree_status scree_pair_constants(const struct scree_contacts *contacts, const s
     for (int s = 0; s <= bodies->order.slabs && !status; s++) {
         const struct scree_part *segment = &batch->segment[s];
         struct columns pair = {{0.0}};
-        for (int k = 0; k < segment->count + SCREE_PADDING - 1 && segment->first + k < batch->capacity; k++) {
+        int filled = segment->count ? segment->count + SCREE_PADDING - 1 : 0;
+        for (int k = 0; k < filled && segment->first + k < batch->capacity; k++) {
             int index = segment->first + k; /* the padding gets what the last contact has */
             if (k < segment->count) pair = constants_of(contacts, bodies, batch, &batch->contact[index]);
             for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][index] = pair.c[c];

@@ -10,214 +10,15 @@
  * are made per batch, never per contact. This file is compiled once for each kind of processor (contact/meson.build), and
  * uses nothing that could make a difference in a bit. */
 #include "contact/loop.h"
-#include "bodies/balls.h"
+#include "contact/block.h"
 #include "contact/law_list.h"
-#include "contact/meet.h"
 
 #include <string.h>
 
-/* Contacts that one instruction takes: passes run over full vectors. */
-#ifdef __AVX512F__
-enum { WIDTH = 8 };
-#else
-enum { WIDTH = 4 };
-#endif
-static int padded(int count) { return (count + WIDTH - 1) & -WIDTH; }
-
-/* A row of a body record, for arithmetic on all four numbers at once. */
-typedef scree_row row;
-
-#ifdef __AVX__
-/* Four rows to four columns, or back. */
-static inline void transpose(row r[4]) {
-    row a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
-    row c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
-    r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-    r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-    r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-    r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
-}
-
-static inline void store_columns(row r[4], double (*column)[SCREE_LANES], int lane) {
-    transpose(r);
-    for (int i = 0; i < 4; i++) *(row *)&column[i][lane] = r[i];
-}
-#endif
-
-/* Columns of one block of contacts. */
-struct block {
-    double shift[4][SCREE_LANES];     /* from the host's centre to the ball body's, m; sum of radii */
-    double rush[4][SCREE_LANES];      /* velocity of the ball's centre against the host's, m/s; sum of inverse masses */
-    double ball_spin[4][SCREE_LANES]; /* rad/s; largest tolerable overlap, m */
-    double host_spin[4][SCREE_LANES];
-    double radius[SCREE_LANES];      /* of the ball, m */
-    double n[3][SCREE_LANES];        /* unit normal, from the host towards the ball */
-    double corner[3][SCREE_LANES];   /* from the ball body's centre to the ball, m; boxes only */
-    double arm[3][SCREE_LANES];      /* from the ball body's centre to the middle of the overlap, m */
-    double overlap[SCREE_LANES];     /* m */
-    double closing[SCREE_LANES];     /* m/s */
-    double slip[3][SCREE_LANES];     /* tangential velocity of the ball, m/s */
-    double force[SCREE_LANES];       /* normal, N */
-    double reversible[SCREE_LANES];  /* part of it that is stored, N */
-    double share[SCREE_LANES];       /* of the step during which the bodies touch */
-    double touching[SCREE_LANES];    /* 1 while the contact lasts, else 0 */
-    double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
-    double friction[3][SCREE_LANES]; /* N */
-    double torque[3][SCREE_LANES];   /* of the rolling law on the ball, N m */
-    double power[SCREE_LANES];       /* that it takes from the motion, W */
-};
-
-static inline void put(double (*column)[SCREE_LANES], int lane, struct vec a) {
-    column[0][lane] = a.x;
-    column[1][lane] = a.y;
-    column[2][lane] = a.z;
-}
-
-static inline void put_kept(double *const *kept, int lane, struct vec a) {
-    kept[0][lane] = a.x;
-    kept[1][lane] = a.y;
-    kept[2][lane] = a.z;
-}
-
-static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
-    return vec(column[0][lane], column[1][lane], column[2][lane]);
-}
-
-/* ---- gather ---- */
-
-#ifdef __AVX__
-/* Contacts lane … lane + 3. The fourth numbers of the rows are added instead of subtracted: sums of radii and of inverse masses. */
-static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
-                              struct block *b) {
-    const row sign = {1.0, 1.0, 1.0, -1.0};
-    row shift[4], rush[4], ball_spin[4], host_spin[4];
-    for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
-        shift[i] = *(const row *)ball->x - *(const row *)host->x * sign;
-        rush[i] = *(const row *)ball->v - *(const row *)host->v * sign;
-        ball_spin[i] = *(const row *)ball->w;
-        host_spin[i] = *(const row *)host->w;
-        b->radius[lane + i] = ball->radius;
-    }
-    store_columns(shift, b->shift, lane);
-    store_columns(rush, b->rush, lane);
-    store_columns(ball_spin, b->ball_spin, lane);
-    store_columns(host_spin, b->host_spin, lane);
-}
-
-#else
-/* Processors without such rows: number by number, which compilers do better than rows in halves. */
-static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
-                              struct block *b) {
-    for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
-        for (int k = 0; k < 3; k++) {
-            b->shift[k][lane + i] = ball->x[k] - host->x[k];
-            b->rush[k][lane + i] = ball->v[k] - host->v[k];
-            b->ball_spin[k][lane + i] = ball->w[k];
-            b->host_spin[k][lane + i] = host->w[k];
-        }
-        b->radius[lane + i] = ball->radius;
-        b->shift[3][lane + i] = ball->radius + host->radius;
-        b->rush[3][lane + i] = ball->inverse_mass + host->inverse_mass;
-        b->ball_spin[3][lane + i] = ball->limit;
-        b->host_spin[3][lane + i] = host->limit;
-    }
-}
-#endif
-
-static void fetch(const struct scree_bodies *bodies, const struct scree_contact *contact, int count, struct block *b) {
-    for (int lane = 0; lane < padded(count); lane += 4) {
-        const struct scree_contact *four[4];
-        for (int i = 0; i < 4; i++) four[i] = &contact[lane + i < count ? lane + i : count - 1];
-        fetch_four(bodies->record, four, lane, b);
-    }
-}
-
-static void meet_balls(int count, struct block *b) {
-    const struct vec origin = {0.0, 0.0, 0.0};
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) {
-        struct vec apart = vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]);
-        struct scree_meeting m = scree_meet_ball(apart, b->shift[3][k], origin, 0.0);
-        put(b->n, k, m.normal);
-        b->overlap[k] = m.overlap;
-    }
-}
-
-/* Partners that aren't balls, one after the other. */
-static inline void meet_others(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                               enum scree_geometry geometry, struct block *b) {
-    for (int lane = 0; lane < padded(count); lane++) {
-        const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
-        struct vec corner = vec_from(bodies->corner[one->corner]);
-        struct vec centre = vec_add(vec_from(bodies->record[one->ball].x), corner);
-        struct scree_meeting m = scree_meet(bodies, one, geometry, centre);
-        put(b->corner, lane, corner);
-        put(b->n, lane, m.normal);
-        b->overlap[lane] = m.overlap;
-    }
-}
-
-static inline void move_all(int count, int corners, struct block *b) {
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) {
-        struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
-        struct vec corner = corners ? vec(b->corner[0][k], b->corner[1][k], b->corner[2][k]) : vec(0.0, 0.0, 0.0);
-        struct scree_gait gait =
-            scree_gait_of(n, b->overlap[k], b->radius[k], corner, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]),
-                          vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
-                          vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]),
-                          vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
-        put(b->arm, k, gait.arm);
-        put(b->slip, k, gait.slip);
-        b->closing[k] = gait.closing;
-        b->touching[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
-    }
-}
-
-/* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. Where a block has none of
- * these, it does without divisions. */
-static void share_out(int count, double step, struct block *b) {
-    int parting = 0;
-    _Pragma("omp simd reduction(| : parting)")
-    for (int k = 0; k < padded(count); k++) {
-        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
-        b->share[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
-        parting |= !(fabs(b->overlap[k]) >= way);
-    }
-    if (!parting) return;
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) {
-        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
-        double share = 0.5 + 0.5 * (b->overlap[k] / way);
-        share = share < 1.0 ? share : 1.0;
-        b->share[k] = share > 0.0 ? share : 0.0;
-    }
-}
-
-static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                   enum scree_geometry geometry, struct block *b) {
-    fetch(bodies, contact, count, b);
-    switch (geometry) { /* constant arguments: each case becomes a loop of its own */
-    case SCREE_BALL_BALL:
-        meet_balls(count, b);
-        move_all(count, 0, b);
-        return;
-    case SCREE_BALL_PLANE:
-        meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
-        break;
-    case SCREE_BALL_RECTANGLE:
-        meet_others(bodies, contact, count, SCREE_BALL_RECTANGLE, b);
-        break;
-    default:
-        meet_others(bodies, contact, count, SCREE_BALL_BOX, b);
-        break;
-    }
-    move_all(count, 1, b);
-}
-
 /* ---- laws ---- */
+
+/* What isn't inlined isn't vectorised either. */
+#define INLINE inline __attribute__((always_inline))
 
 typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
                       double *const *kept, double step);
@@ -227,66 +28,100 @@ typedef void law_pass(struct block *b, int count, const struct scree_law_constan
  * is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked up, not
  * compared again: a second comparison would make a branch of the law, and no vector. */
 #define NORMAL_PASS(word)                                                                                              \
+    static INLINE void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,           \
+                                        const double *const *pair, double *const *kept) {                              \
+        double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
+        struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                      \
+        struct scree_pressing at = {b->overlap[k], b->closing[k], 0.0, 0.0};                                           \
+        if (scree_normal_##word.memory) {                                                                              \
+            at.first = own[0][k];                                                                                      \
+            at.second = own[1][k];                                                                                     \
+        }                                                                                                              \
+        struct scree_normal_force f = normal_##word##_force(constants, of_pair, at);                                   \
+        if (scree_normal_##word.memory) {                                                                              \
+            own[0][k] = f.first;                                                                                       \
+            own[1][k] = f.second;                                                                                      \
+        }                                                                                                              \
+        double touching = b->touching[k], share = b->share[k];                                                         \
+        if (scree_normal_##word.reach) {                                                                               \
+            touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                             \
+            b->snap[k] =                                                                                               \
+                touching > at.second ? scree_snap_energy(scree_normal_##word.stored, constants, of_pair) : 0.0;        \
+            b->touching[k] = touching;                                                                                 \
+        }                                                                                                              \
+        double force = touching * f.elastic + share * f.damping * at.closing;                                          \
+        force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                                  \
+        b->force[k] = force;                                                                                           \
+        b->reversible[k] = touching * f.reversible;                                                                    \
+    }                                                                                                                  \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
                                    const double *const *pair, double *const *kept, double step) {                      \
-        (void)step;                                                                                                    \
         struct scree_law_constants constants = *law;                                                                   \
-        double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
+        (void)step;                                                                                                    \
         _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) {                                                                      \
-            struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                  \
-            struct scree_pressing at = {b->overlap[k], b->closing[k], 0.0, 0.0};                                       \
-            if (scree_normal_##word.memory) {                                                                          \
-                at.first = own[0][k];                                                                                  \
-                at.second = own[1][k];                                                                                 \
-            }                                                                                                          \
-            struct scree_normal_force f = normal_##word##_force(&constants, of_pair, at);                              \
-            if (scree_normal_##word.memory) {                                                                          \
-                own[0][k] = f.first;                                                                                   \
-                own[1][k] = f.second;                                                                                  \
-            }                                                                                                          \
-            double touching = b->touching[k], share = b->share[k];                                                     \
-            if (scree_normal_##word.reach) {                                                                           \
-                touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                         \
-                b->snap[k] =                                                                                           \
-                    touching > at.second ? scree_snap_energy(scree_normal_##word.stored, &constants, of_pair) : 0.0;   \
-                b->touching[k] = touching;                                                                             \
-            }                                                                                                          \
-            double force = touching * f.elastic + share * f.damping * at.closing;                                      \
-            force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                              \
-            b->force[k] = force;                                                                                       \
-            b->reversible[k] = touching * f.reversible;                                                                \
-        }                                                                                                              \
+        for (int k = 0; k < padded(count); k++) normal_at_##word(b, k, &constants, pair, kept);                        \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
 
 /* One pass per friction law. The memory belongs to the ends of steps, the velocity to their middle. */
 #define FRICTION_PASS(word)                                                                                            \
+    static INLINE void friction_at_##word(struct block *b, int k, const struct scree_law_constants *constants,         \
+                                          const double *const *pair, double *const *kept, double half) {               \
+        double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                         \
+        struct scree_pair_constants of_pair = {                                                                        \
+            {pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};                               \
+        struct scree_sliding at = {.normal = normal, .overlap = b->overlap[k], .half = half};                          \
+        at.closing = b->closing[k];                                                                                    \
+        at.velocity = get(b->slip, k);                                                                                 \
+        if (scree_friction_##word.memory) {                                                                            \
+            at.stretch = scree_into_tangent_plane(vec(kept[0][k], kept[1][k], kept[2][k]), get(b->n, k));              \
+            at.sliding = kept[3][k];                                                                                   \
+        }                                                                                                              \
+        struct scree_tangential f = friction_##word##_force(constants, of_pair, at);                                   \
+        put(b->friction, k, f.force);                                                                                  \
+        if (scree_friction_##word.memory) {                                                                            \
+            put_kept(kept, k, vec_scale(b->touching[k], f.stretch));                                                   \
+            kept[3][k] = b->touching[k] * f.sliding;                                                                   \
+        }                                                                                                              \
+    }                                                                                                                  \
     static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
                                      const double *const *pair, double *const *kept, double step) {                    \
         struct scree_law_constants constants = *law;                                                                   \
         double half = 0.5 * step;                                                                                      \
         _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) {                                                                      \
-            double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                     \
-            struct scree_pair_constants of_pair = {                                                                    \
-                {pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};                           \
-            struct scree_sliding at = {.normal = normal, .overlap = b->overlap[k], .half = half};                      \
-            at.closing = b->closing[k];                                                                                \
-            at.velocity = get(b->slip, k);                                                                             \
-            if (scree_friction_##word.memory) {                                                                        \
-                at.stretch = scree_into_tangent_plane(vec(kept[0][k], kept[1][k], kept[2][k]), get(b->n, k));          \
-                at.sliding = kept[3][k];                                                                               \
-            }                                                                                                          \
-            struct scree_tangential f = friction_##word##_force(&constants, of_pair, at);                              \
-            put(b->friction, k, f.force);                                                                              \
-            if (scree_friction_##word.memory) {                                                                        \
-                put_kept(kept, k, vec_scale(b->touching[k], f.stretch));                                               \
-                kept[3][k] = b->touching[k] * f.sliding;                                                               \
-            }                                                                                                          \
-        }                                                                                                              \
+        for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half);                \
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
+
+/* Pairs of laws that often go together make one pass more, in which they share what both need (the root of the overlap). */
+#define COMMON_PAIRS(PAIR) PAIR(tsuji, mindlin) PAIR(tsuji_cut, mindlin) PAIR(hertz, mindlin)
+#define COMMON_PASS(one, other)                                                                                        \
+    static void common_pass_##one##_##other(struct block *b, int count, const struct scree_rule *rule,                 \
+                                            const double *const *pair, double *const *kept, double step) {             \
+        struct scree_law_constants normal = rule->normal_constants, friction = rule->friction_constants;               \
+        double half = 0.5 * step;                                                                                      \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) {                                                                      \
+            normal_at_##one(b, k, &normal, pair, kept);                                                                \
+            friction_at_##other(b, k, &friction, pair, kept, half);                                                    \
+        }                                                                                                              \
+    }
+COMMON_PAIRS(COMMON_PASS)
+
+#define INDEX(word) NORMAL_##word,
+enum { SCREE_NORMAL_LAWS(INDEX) };
+#undef INDEX
+#define INDEX(word) FRICTION_##word,
+enum { SCREE_FRICTION_LAWS(INDEX) };
+#undef INDEX
+
+#define ENTRY(one, other) {NORMAL_##one, FRICTION_##other, common_pass_##one##_##other},
+static const struct {
+    int normal, friction;
+    void (*pass)(struct block *b, int count, const struct scree_rule *rule, const double *const *pair,
+                 double *const *kept, double step);
+} common[] = {COMMON_PAIRS(ENTRY)};
+#undef ENTRY
 
 /* Columns for the rolling laws: lever x angular velocity of the ball against the host, m/s. */
 static inline struct vec turning_at(const struct block *b, int k, double lever) {
@@ -416,6 +251,17 @@ static struct losses measure_losses(const struct block *b, int count, double ste
     return (struct losses){normal, tangential};
 }
 
+static void press_and_rub(struct block *b, int count, const struct scree_rule *rule, const double *const *pair,
+                          double *const *kept, double step) {
+    for (size_t c = 0; c < sizeof common / sizeof *common; c++)
+        if (common[c].normal == rule->normal && common[c].friction == rule->friction) {
+            common[c].pass(b, count, rule, pair, kept, step);
+            return;
+        }
+    normal_passes[rule->normal](b, count, &rule->normal_constants, pair, kept, step);
+    if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
+}
+
 /* All passes but the last. */
 static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_batch *batch, int first, int count, double step, struct block *b) {
@@ -426,8 +272,7 @@ static void press(const struct scree_contacts *contacts, const struct scree_bodi
     for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
     gather(bodies, batch->contact + first, count, batch->geometry, b);
     share_out(count, step, b);
-    normal_passes[rule->normal](b, count, &rule->normal_constants, pair, kept, step);
-    if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
+    press_and_rub(b, count, rule, pair, kept, step);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
 }
 
@@ -465,27 +310,27 @@ static inline void make_kicks(const struct block *b, int count, double step, int
 
 /* `hosts`: partners are pushed too; else they are frozen, and several slabs have them in common. */
 #ifdef __AVX__
-static inline void load_rows(double (*column)[SCREE_LANES], int lane, row r[4]) {
-    for (int i = 0; i < 3; i++) r[i] = *(const row *)&column[i][lane];
-    r[3] = (row){0.0, 0.0, 0.0, 0.0};
+static inline void load_rows(double (*column)[SCREE_LANES], int lane, scree_row r[4]) {
+    for (int i = 0; i < 3; i++) r[i] = *(const scree_row *)&column[i][lane];
+    r[3] = (scree_row){0.0, 0.0, 0.0, 0.0};
     transpose(r);
 }
 
 static inline void add_kicks(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
                              int hosts, struct kicks *kicks) {
     for (int lane = 0; lane < count; lane += 4) {
-        row impulse[4], turn_ball[4], turn_host[4];
+        scree_row impulse[4], turn_ball[4], turn_host[4];
         load_rows(kicks->impulse, lane, impulse);
         if (turns) load_rows(kicks->turn_ball, lane, turn_ball);
         if (turns && hosts) load_rows(kicks->turn_host, lane, turn_host);
         for (int i = 0; i < 4 && lane + i < count; i++) {
             struct scree_record *ball = &bodies->record[contact[lane + i].ball];
             struct scree_record *host = &bodies->record[contact[lane + i].host];
-            *(row *)ball->f += impulse[i];
-            if (turns) *(row *)ball->t += turn_ball[i];
+            *(scree_row *)ball->f += impulse[i];
+            if (turns) *(scree_row *)ball->t += turn_ball[i];
             if (!hosts) continue;
-            *(row *)host->f -= impulse[i];
-            if (turns) *(row *)host->t += turn_host[i];
+            *(scree_row *)host->f -= impulse[i];
+            if (turns) *(scree_row *)host->t += turn_host[i];
         }
     }
 }

@@ -50,10 +50,10 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     const struct scree_contact *contact = &batch->contact[index];
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    struct vec corner = vec_from(bodies->corner[contact->corner]);
+    struct vec corner = scree_corner_of(bodies, contact, batch->geometry);
     struct scree_meeting m = scree_meet(bodies, contact, batch->geometry, vec_add(vec_from(ball->x), corner));
     struct scree_gait gait =
-        scree_gait_of(m.normal, m.overlap, ball->radius, corner, vec_sub(vec_from(ball->x), vec_from(host->x)),
+        scree_gait_of(m.normal, m.overlap, ball->radius, corner, scree_apart(bodies, contact, batch->geometry),
                       vec_sub(vec_from(ball->v), vec_from(host->v)), vec_from(ball->w), vec_from(host->w));
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct scree_pressing pressing = {m.overlap, gait.closing, 0.0, 0.0};
@@ -72,7 +72,9 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     double force = f.elastic + f.damping * gait.closing;
     pressing.first = f.first;
     pressing.second = f.second;
-    *touch = (struct scree_touch){.ball = contact->ball, .host = contact->host, .corner = contact->corner};
+    *touch = (struct scree_touch){.ball = contact->ball,
+                                  .host = contact->host,
+                                  .corner = batch->geometry == SCREE_BALL_IMAGE ? 0 : contact->corner};
     touch->overlap = m.overlap;
     touch->closing = gait.closing;
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;

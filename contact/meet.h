@@ -5,6 +5,30 @@
 #include "contact/contacts.h"
 #include "contact/geometry.h"
 
+/* Where the partner that is met stands off its record: whole periods; constant zeros but for images. */
+static inline struct vec scree_shift_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                        enum scree_geometry geometry) {
+    if (geometry != SCREE_BALL_IMAGE) return vec(0.0, 0.0, 0.0);
+    return vec(scree_periods_of(contact->corner, 0) * bodies->period[0],
+               scree_periods_of(contact->corner, 1) * bodies->period[1],
+               scree_periods_of(contact->corner, 2) * bodies->period[2]);
+}
+
+/* The ball's centre from that of its body. */
+static inline struct vec scree_corner_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                         enum scree_geometry geometry) {
+    if (geometry == SCREE_BALL_IMAGE) return vec(0.0, 0.0, 0.0);
+    return vec_from(bodies->corner[contact->corner]);
+}
+
+/* From the partner's centre to that of the ball's body. */
+static inline struct vec scree_apart(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                     enum scree_geometry geometry) {
+    struct vec apart = vec_sub(vec_from(bodies->record[contact->ball].x), vec_from(bodies->record[contact->host].x));
+    if (geometry != SCREE_BALL_IMAGE) return apart;
+    return vec_sub(apart, scree_shift_of(bodies, contact, geometry));
+}
+
 /* Normal and overlap of a contact whose ball's centre is at `centre`. */
 static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
                                               enum scree_geometry geometry, struct vec centre) {
@@ -12,6 +36,10 @@ static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies,
     struct vec origin = vec_from(host->x);
     double radius = ball->radius;
     if (geometry == SCREE_BALL_BALL) return scree_meet_ball(centre, radius, origin, host->radius);
+    if (geometry == SCREE_BALL_IMAGE) {
+        struct vec nearer = vec_sub(centre, scree_shift_of(bodies, contact, geometry));
+        return scree_meet_ball(nearer, radius, origin, host->radius);
+    }
     const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[contact->host]];
     if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
     struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);

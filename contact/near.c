@@ -3,7 +3,7 @@
  *
  * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
  * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
-#include "contact/contacts.h"
+#include "contact/meet.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -117,6 +117,8 @@ static inline int is_near(const struct scree_bodies *bodies, const struct scree_
         double z = ball->x[2] - host->x[2];
         return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
     }
+    if (batch->geometry == SCREE_BALL_IMAGE)
+        return vec_norm(scree_apart(bodies, contact, SCREE_BALL_IMAGE)) - ball->radius - host->radius <= left;
     return scree_gap(bodies, contact, skin) <= left;
 }
 
@@ -302,14 +304,21 @@ static void sort_indices(const struct scree_bodies *bodies, const struct scree_b
     }
 }
 
-/* Put the contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the other. */
-static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int *index) {
-    double *column[SCREE_MEMORY + SCREE_PAST];
-    int columns = columns_of(batch, column), used = 0;
+/* Close the gaps between segments; how many contacts there are. */
+static int close_up(struct scree_batch *batch) {
+    int used = 0;
     for (int s = 0; s < SCREE_SEGMENTS; s++) {
         shift(batch, &batch->segment[s], used);
+        batch->segment[s].capacity = batch->segment[s].count;
         used += batch->segment[s].count;
     }
+    return used;
+}
+
+/* Put the first `used` contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the other. */
+static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int used, int *index) {
+    double *column[SCREE_MEMORY + SCREE_PAST];
+    int columns = columns_of(batch, column);
     sort_indices(bodies, batch, index, used);
     for (int c = 0; c < columns; c++) scree_permute(column[c], sizeof *column[c], index, used);
     scree_permute(batch->contact, sizeof *batch->contact, index, used);
@@ -319,22 +328,138 @@ static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *ba
         if (segment->count == 0) segment->first = k;
         segment->capacity = ++segment->count;
     }
+    batch->count = used;
+}
+
+static scree_status room_for_indices(struct scree_contacts *contacts, int most, scree_trouble *trouble) {
+    if (most <= contacts->indices) return SCREE_OK;
+    if (!scree_enlarge(&contacts->index, contacts->indices, most + most / 8, sizeof *contacts->index))
+        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory to sort %d contacts", most);
+    contacts->indices = most + most / 8;
+    return SCREE_OK;
 }
 
 scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble) {
     int most = 0;
     for (int b = 0; b < contacts->batches; b++)
         if (contacts->batch[b].count > most) most = contacts->batch[b].count;
-    if (most > contacts->indices) {
-        if (!scree_enlarge(&contacts->index, contacts->indices, most + most / 8, sizeof *contacts->index))
-            return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory to sort %d contacts", most);
-        contacts->indices = most + most / 8;
-    }
+    scree_status status = room_for_indices(contacts, most, trouble);
+    if (status) return status;
     for (int b = 0; b < contacts->batches; b++) rename_bodies(&contacts->batch[b], bodies->number);
     scree_bodies_sort(bodies, contacts->skin, contacts->key, contacts->next);
     for (int b = 0; b < contacts->batches; b++) {
         rename_bodies(&contacts->batch[b], bodies->place);
-        sort_batch(bodies, &contacts->batch[b], contacts->index);
+        sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->index);
     }
     return scree_contacts_list(contacts, bodies, trouble);
+}
+
+/* ---- across the border of the periodic box ---- */
+
+/* A contact with what is kept of it, on its way to another batch. */
+struct scree_moving {
+    struct scree_contact contact;
+    double kept[SCREE_MEMORY + SCREE_PAST];
+};
+
+static const struct scree_return *return_of(const struct scree_contacts *contacts, int body) {
+    int low = 0, high = contacts->returns;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (contacts->returned[middle].body < body)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < contacts->returns && contacts->returned[low].body == body ? &contacts->returned[low] : NULL;
+}
+
+/* The contact's code after the return of its bodies. */
+static int code_after(const struct scree_contacts *contacts, const struct scree_contact *contact) {
+    const struct scree_return *ball = return_of(contacts, contact->ball), *host = return_of(contacts, contact->host);
+    if (!ball && !host) return contact->corner;
+    int periods[3], off = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        periods[axis] = contact->corner ? scree_periods_of(contact->corner, axis) : 0;
+        periods[axis] += (host ? host->periods[axis] : 0) - (ball ? ball->periods[axis] : 0);
+        off |= periods[axis] != 0;
+    }
+    return off ? scree_code_of(periods) : 0;
+}
+
+static int count_moving(const struct scree_contacts *contacts, const struct scree_batch *batch, int used) {
+    int count = 0;
+    for (int k = 0; k < used; k++) {
+        int code = code_after(contacts, &batch->contact[k]);
+        count += (code == 0) != (batch->geometry == SCREE_BALL_BALL);
+    }
+    return count;
+}
+
+/* Give all contacts of a batch their new codes; those that belong to the other batch go to `moving`. Returns how many stay. */
+static int take_out(const struct scree_contacts *contacts, struct scree_batch *batch, int used,
+                    struct scree_moving *moving) {
+    double *column[SCREE_MEMORY + SCREE_PAST];
+    int columns = columns_of(batch, column), stay = 0;
+    for (int k = 0; k < used; k++) {
+        struct scree_contact contact = batch->contact[k];
+        contact.corner = code_after(contacts, &contact);
+        if ((contact.corner == 0) != (batch->geometry == SCREE_BALL_BALL)) {
+            moving->contact = contact;
+            for (int c = 0; c < columns; c++) moving->kept[c] = column[c][k];
+            moving++;
+            continue;
+        }
+        batch->contact[stay] = contact;
+        for (int c = 0; c < columns; c++) column[c][stay] = column[c][k];
+        stay++;
+    }
+    return stay;
+}
+
+static void put_in(struct scree_batch *batch, int at, const struct scree_moving *moving, int count) {
+    double *column[SCREE_MEMORY + SCREE_PAST];
+    int columns = columns_of(batch, column);
+    for (int k = 0; k < count; k++) {
+        batch->contact[at + k] = moving[k].contact;
+        for (int c = 0; c < columns; c++) column[c][at + k] = moving[k].kept[c];
+    }
+}
+
+static scree_status room_for_moving(struct scree_contacts *contacts, int count, scree_trouble *trouble) {
+    if (count <= contacts->moving_capacity) return SCREE_OK;
+    if (!scree_enlarge(&contacts->moving, contacts->moving_capacity, 2 * count, sizeof *contacts->moving))
+        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts at the border", count);
+    contacts->moving_capacity = 2 * count;
+    return SCREE_OK;
+}
+
+/* The two batches of one rule. */
+static scree_status recode_rule(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                struct scree_batch *own, struct scree_batch *image, scree_trouble *trouble) {
+    int in_own = close_up(own), in_image = close_up(image);
+    int out = count_moving(contacts, own, in_own), in = count_moving(contacts, image, in_image);
+    scree_status status = room_for_moving(contacts, out + in, trouble);
+    if (!status) status = enlarge_batch(own, padded(in_own + in), trouble);
+    if (!status) status = enlarge_batch(image, padded(in_image + out), trouble);
+    if (!status) status = room_for_indices(contacts, in_own + in_image + out + in, trouble);
+    if (status) return status;
+    in_own = take_out(contacts, own, in_own, contacts->moving);
+    in_image = take_out(contacts, image, in_image, contacts->moving + out);
+    put_in(own, in_own, contacts->moving + out, in);
+    put_in(image, in_image, contacts->moving, out);
+    sort_batch(bodies, own, in_own + in, contacts->index);
+    sort_batch(bodies, image, in_image + out, contacts->index);
+    return SCREE_OK;
+}
+
+scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                   scree_trouble *trouble) {
+    scree_status status = SCREE_OK;
+    for (int r = 0; r < contacts->rules && !status; r++) {
+        const struct scree_rule *rule = &contacts->rule[r];
+        status = recode_rule(contacts, bodies, scree_batch_for(contacts, rule, SCREE_BALL_BALL),
+                             scree_batch_for(contacts, rule, SCREE_BALL_IMAGE), trouble);
+    }
+    return status;
 }

@@ -14,10 +14,10 @@
 
 #include "contact/law.h"
 
-/* Forces in N: `holds` is the largest that the slider bears, `slides` (<= holds) that with which it slides. k > 0, c >= 0. */
-static inline struct scree_tangential scree_slider(struct scree_sliding at, double k, double c, double holds,
-                                                   double slides) {
-    double lag = c / (c + at.half * k + SCREE_NO_SPEED), keeps = lag * lag;
+/* Forces in N: `holds` is the largest that the slider bears, `slides` (<= holds) that with which it slides. k > 0, c >= 0; `lag` is
+ * c/(c + half k), `slack` (lag^2 - 1)/k. */
+static inline struct scree_tangential scree_slider_lagging(struct scree_sliding at, double k, double c, double lag,
+                                                           double slack, double holds, double slides) {
     double late = at.sliding > 0.0 ? (1.0 - lag) * at.half : 0.0;
     struct vec middle = vec_axpy(at.stretch, at.half + late, at.velocity);
     struct vec trial = vec_axpy(vec_scale(-k, middle), -c, at.velocity);
@@ -26,11 +26,17 @@ static inline struct scree_tangential scree_slider(struct scree_sliding at, doub
     double scale = sliding ? slides / (size + SCREE_NO_SPEED) : 1.0;
     struct vec force = vec_scale(scale, trial);
     /* Two implicit half steps of k s + c s' = -F: what the spring keeps of its stretch, and what it takes on. */
-    struct vec slid = vec_axpy(vec_scale(keeps, at.stretch), (keeps - 1.0) / k, force);
+    struct vec slid = vec_axpy(vec_scale(lag * lag, at.stretch), slack, force);
     double turned = -2.0 * vec_dot(at.stretch, at.velocity) - at.half * vec_norm2(at.velocity);
     struct vec stuck = vec_axpy(middle, turned >= 0.0 ? at.half : at.half - late, at.velocity);
     struct vec stretch = sliding ? slid : stuck;
     return (struct scree_tangential){force, stretch, sliding ? 1.0 : 0.0};
+}
+
+static inline struct scree_tangential scree_slider(struct scree_sliding at, double k, double c, double holds,
+                                                   double slides) {
+    double lag = c / (c + at.half * k + SCREE_NO_SPEED);
+    return scree_slider_lagging(at, k, c, lag, (lag * lag - 1.0) / k, holds, slides);
 }
 
 #endif

@@ -10,6 +10,11 @@ static void describe_bodies(const scree_scene *scene, FILE *file) {
     const struct scree_scene_plan *plan = &scene->plan;
     fprintf(file, "bodies: %d (%d moved by forces, %d driven, %d fixed)\n", scene->bodies.count, plan->free,
             plan->driven, plan->fixed);
+    if (scene->bodies.periodic) fprintf(file, "periodic along");
+    for (int axis = 0, any = 0; axis < 3; axis++)
+        if (scene->bodies.period[axis] > 0.0)
+            fprintf(file, "%s %c, every %.6g m", any++ ? "," : "", "xyz"[axis], scene -> bodies.period[axis]);
+    if (scene->bodies.periodic) fprintf(file, "\n");
     fprintf(file, "pairs of bodies: %ld, of which %ld can meet\n", plan->pairs_all, plan->pairs_meeting);
     if (plan->pairs_still)
         fprintf(file, "  skipped: %ld, since forces move neither body (fixed or driven)\n", plan->pairs_still);
@@ -101,9 +106,16 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
     describe_impacts(scene, rule, file);
 }
 
+static void describe_order(const scree_scene *scene, FILE *file) {
+    const struct scree_order *order = &scene->bodies.order;
+    if (!order->slabs) return;
+    fprintf(file, "bodies in the order of space: %d balls in %d slabs across %c\n",
+            scene->bodies.count - order->members, order->slabs, "xyz"[order->axis[0]]);
+}
+
 static void describe_near(const scree_scene *scene, FILE *file) {
     static const char *const names[SCREE_GEOMETRIES] = {"ball on ball", "ball on plane", "ball on rectangle",
-                                                        "ball on box"};
+                                                        "ball on box", "ball on the image of a ball"};
     long near[SCREE_GEOMETRIES] = {0};
     for (int b = 0; b < scene->contacts.batches; b++)
         near[scene->contacts.batch[b].geometry] += scene->contacts.batch[b].count;
@@ -271,6 +283,7 @@ void scree_scene_describe(const scree_scene *scene, FILE *file) {
     describe_bodies(scene, file);
     fprintf(file, "materials in contact:\n");
     for (int k = 0; k < scene->contacts.rules; k++) describe_rule(scene, &scene->contacts.rule[k], file);
+    describe_order(scene, file);
     describe_near(scene, file);
     describe_step(scene, file);
     describe_stages(scene, file);

@@ -4,41 +4,68 @@
 
 #include <string.h>
 
-int scree_scene_bodies(const scree_scene *scene) { return scene->baked == 1 ? scene->bodies.count : scene->defs; }
+int scree_scene_bodies(const scree_scene *scene) { return scene->defs; }
 
-/* The definition of body `index`; one that is all zero where there is no such body. */
-static const scree_body_def *definition(const scree_scene *scene, int index) {
-    static const scree_body_def none = {.name = NULL};
-    return index >= 0 && index < scene->defs ? &scene->def[index] : &none;
+static int is_body(const scree_scene *scene, int index) { return index >= 0 && index < scene->defs; }
+
+/* Whether bodies were made of the definitions. */
+static int is_made(const scree_scene *scene) { return scene->bodies.count > 0 && !scene->group; }
+
+const char *scree_scene_body_name(const scree_scene *scene, int index) {
+    return is_body(scene, index) ? scene->names.name[index] : NULL;
 }
 
-const char *scree_scene_body_name(const scree_scene *scene, int index) { return definition(scene, index)->name; }
+scree_shape scree_scene_body_shape(const scree_scene *scene, int index) {
+    if (!is_body(scene, index)) return (scree_shape){0};
+    return is_made(scene) ? scene->bodies.shape[scene->bodies.place[index]]
+                          : scree_scene_definition(scene, index).shape;
+}
 
-scree_shape scree_scene_body_shape(const scree_scene *scene, int index) { return definition(scene, index)->shape; }
+const char *scree_scene_body_material(const scree_scene *scene, int index) {
+    if (!is_body(scene, index)) return NULL;
+    int material = is_made(scene) ? scene->bodies.material[scene->bodies.place[index]]
+                                  : scree_scene_definition(scene, index).material;
+    return scene->material[material].name;
+}
 
 double scree_scene_body_mass(const scree_scene *scene, int index) {
-    const scree_body_def *def = definition(scene, index);
-    return def->name ? scree_body_mass(def, scene->material[def->material].density) : 0.0;
+    if (!is_body(scene, index)) return 0.0;
+    if (is_made(scene)) return scene->bodies.inertia[scene->bodies.place[index]].mass;
+    scree_body_def def = scree_scene_definition(scene, index);
+    return scree_body_mass(&def, scene->material[def.material].density);
 }
 
 int scree_scene_body_moves(const scree_scene *scene, int index) {
-    const scree_body_def *def = definition(scene, index);
-    return def->name && !scree_joint_is_fixed(&def->joint);
+    if (!is_body(scene, index)) return 0;
+    scree_joint joint =
+        is_made(scene) ? scene->bodies.joint[scene->bodies.place[index]] : scree_scene_definition(scene, index).joint;
+    return !scree_joint_is_fixed(&joint);
+}
+
+/* Where a point is that may be outside of the periodic box. */
+static void put_into_box(const struct scree_bodies *bodies, const double x[3], double inside[3]) {
+    for (int axis = 0; axis < 3; axis++) {
+        double period = bodies->period[axis];
+        inside[axis] = x[axis] - period * scree_periods_off(bodies, x[axis], axis);
+        if (period > 0.0 && inside[axis] >= bodies->low[axis] + period)
+            inside[axis] = bodies->low[axis]; /* rounded up */
+    }
 }
 
 scree_body_state scree_scene_body(const scree_scene *scene, int index) {
     const struct scree_bodies *bodies = &scene->bodies;
-    const scree_body_def *def = definition(scene, index);
     scree_body_state state = {.orientation = {1.0, 0.0, 0.0, 0.0}};
-    if (scene->baked != 1 || !def->name) {
-        memcpy(state.position, def->position, sizeof state.position);
-        memcpy(state.velocity, def->velocity, sizeof state.velocity);
-        memcpy(state.spin, def->spin, sizeof state.spin);
-        quat_store(scree_start_attitude(def), state.orientation);
+    if (!is_body(scene, index)) return state;
+    if (!is_made(scene)) {
+        scree_body_def def = scree_scene_definition(scene, index);
+        memcpy(state.position, def.position, sizeof state.position);
+        memcpy(state.velocity, def.velocity, sizeof state.velocity);
+        memcpy(state.spin, def.spin, sizeof state.spin);
+        quat_store(scree_start_attitude(&def), state.orientation);
         return state;
     }
     int place = bodies->place[index];
-    memcpy(state.position, bodies->state[place].x, sizeof state.position);
+    put_into_box(bodies, bodies->state[place].x, state.position);
     memcpy(state.velocity, bodies->state[place].v, sizeof state.velocity);
     vec_store(scree_bodies_spin(bodies, place, scree_scene_time(scene)), state.spin);
     if (bodies->slot[place] >= 0)
@@ -89,6 +116,7 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
     double gravity[3], stored_in_friction = 0.0;
     scree_gravity_at(scene, scree_scene_time(scene), gravity);
     for (int k = 0; k < scene->bodies.count; k++) add_body_energy(scene, k, gravity, energy);
+    for (int axis = 0; axis < 3; axis++) energy->potential -= gravity[axis] * scene->carried[axis];
     for (int b = 0; b < contacts->batches; b++) {
         for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
             struct scree_touch touch;
@@ -111,7 +139,9 @@ static scree_contact_state contact_state(const scree_scene *scene, const struct 
                                  .host = scene->bodies.number[touch->host],
                                  .sliding = touch->sliding};
     state.corner = touch->corner ? touch->corner - 1 - 8 * scene->bodies.slot[touch->ball] : -1;
-    vec_store(touch->point, state.point);
+    double point[3];
+    vec_store(touch->point, point);
+    put_into_box(&scene->bodies, point, state.point);
     vec_store(touch->normal, state.normal);
     vec_store(touch->slip, state.slip);
     vec_store(touch->tangential, state.friction);

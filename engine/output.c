@@ -15,6 +15,8 @@ static const char contacts_header[] = "time_s,ball,host,corner,x_m,y_m,z_m,nx,ny
 static const char energy_header[] =
     "time_s,kinetic_J,rotational_J,potential_J,stored_J,lost_normal_J,lost_tangential_J,"
     "driven_J,balance_J,deepest_overlap\n";
+static const char spheres_header[] = "name,x_m,y_m,z_m,radius_m,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s,"
+                                     "material\n";
 static const char series_header[] =
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
 static const char series_end[] = "</Collection>\n</VTKFile>\n";
@@ -189,6 +191,30 @@ static scree_status finish_state(struct scree_output *output, scree_scene *scene
     return status ? status : scree_out_finish(&output->state, trouble);
 }
 
+/* The spheres that move, as [[spheres]] reads them. */
+static scree_status finish_spheres(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+    if (!(output->request->write & SCREE_WRITE_SPHERES)) return SCREE_OK;
+    scree_status status = open_one(output, &output->spheres, "spheres.csv", spheres_header, trouble);
+    if (status) return status;
+    struct scree_c_locale locale = scree_enter_c_locale();
+    FILE *file = output->spheres.file;
+    for (int k = 0; k < scree_scene_bodies(scene); k++) {
+        scree_shape shape = scree_scene_body_shape(scene, k);
+        if (shape.kind != SCREE_SPHERE || !scree_scene_body_moves(scene, k)) continue;
+        scree_body_state state = scree_scene_body(scene, k);
+        put_name(file, scree_scene_body_name(scene, k));
+        put_numbers(file, state.position, 3);
+        put_numbers(file, &shape.radius, 1);
+        put_numbers(file, state.velocity, 3);
+        put_numbers(file, state.spin, 3);
+        fputc(',', file);
+        put_name(file, scree_scene_body_material(scene, k));
+        fputc('\n', file);
+    }
+    scree_leave_c_locale(locale);
+    return scree_out_finish(&output->spheres, trouble);
+}
+
 static scree_status keep_frames(struct scree_output *output, scree_trouble *trouble) {
     if (!output->frames_part) return SCREE_OK;
     char *path = scree_join(output->folder, "frames"), *aside = scree_join(output->folder, "frames.old");
@@ -203,11 +229,12 @@ static scree_status keep_frames(struct scree_output *output, scree_trouble *trou
 }
 
 scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
-    struct scree_out *const all[] = {&output->bodies, &output->contacts, &output->energy, &output->series,
-                                     &output->state};
+    struct scree_out *const all[] = {&output->bodies, &output->contacts, &output->energy,
+                                     &output->series, &output->spheres,  &output->state};
     size_t count = sizeof all / sizeof all[0];
     if (output->series.file) fputs(series_end, output->series.file);
     scree_status status = finish_state(output, scene, trouble);
+    if (!status) status = finish_spheres(output, scene, trouble);
     for (size_t k = 0; !status && k < count; k++) status = scree_out_finish(all[k], trouble);
     if (!status) status = keep_frames(output, trouble);
     for (size_t k = 0; !status && k < count; k++) status = scree_out_keep(all[k], trouble);
@@ -219,6 +246,7 @@ void scree_output_drop(struct scree_output *output, int leave) {
     scree_out_drop(&output->contacts, leave);
     scree_out_drop(&output->energy, leave);
     scree_out_drop(&output->series, leave);
+    scree_out_drop(&output->spheres, 0);
     scree_out_drop(&output->state, 0);
     if (output->frames_part && !leave) scree_clear_folder(output->frames_part, is_frame);
     free(output->frames_part);

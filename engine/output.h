@@ -10,8 +10,8 @@
 struct scree_output {
     const char *folder;
     const struct scree_run_request *request;
-    struct scree_out bodies, contacts, energy, series, state; /* `series`: the list of frames, scene.pvd */
-    char *frames_part;                                        /* owned; folder of the frames so far; NULL: none */
+    struct scree_out bodies, contacts, energy, series, spheres, state; /* `series`: the list of frames, scene.pvd */
+    char *frames_part; /* owned; folder of the frames so far; NULL: none */
     int frames;
     scree_contact_state *touching; /* owned */
     int touching_capacity;
@@ -24,7 +24,7 @@ scree_status scree_output_open(struct scree_output *output, const char *folder, 
 /* A row (a frame) of everything for the scene as it is now. */
 scree_status scree_output_row(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
 
-/* Finish all files, and write final.state beside them. */
+/* Finish all files, and write final.state (and spheres.csv) beside them. */
 scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
 
 /* Close everything; what is unfinished stays under its temporary name (`leave`) or is removed. After a successful keep it

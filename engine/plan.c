@@ -1,6 +1,7 @@
 /* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
  * chosen from the stiffest contact that can happen. */
 #include "contact/grip.h"
+#include "engine/hash.h"
 #include "engine/scene.h"
 
 #include <math.h>
@@ -468,17 +469,45 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
 
 /* ---- bodies and contacts ---- */
 
+static scree_body_def definition_of(const void *scene, int index) { return scree_scene_definition(scene, index); }
+
+/* A state replaces where free bodies start, but not where fixed ones are and driven ones count from; and whoever changes a start
+ * means another run. */
+static uint64_t print_start(uint64_t hash, const scree_body_def *def) {
+    hash = scree_hash_on(hash, def->position, sizeof def->position);
+    hash = scree_hash_on(hash, def->orientation, sizeof def->orientation);
+    hash = scree_hash_on(hash, def->velocity, sizeof def->velocity);
+    return scree_hash_on(hash, def->spin, sizeof def->spin);
+}
+
+static void set_period(struct scree_scene *scene) {
+    struct scree_bodies *bodies = &scene->bodies;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!scene->bounded || !scene->domain.periodic[axis]) continue;
+        bodies->periodic = 1;
+        bodies->low[axis] = scene->domain.min[axis];
+        bodies->period[axis] = scene->domain.max[axis] - scene->domain.min[axis];
+    }
+}
+
+/* After it the definitions of bodies are no longer needed: in large scenes they take more memory than some of the state. */
 static scree_status make_bodies(struct scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
     scree_status status = scree_bodies_create(bodies, scene->defs, scene->motion, scene->motions, &scene->trouble);
     scene->motion = NULL; /* handed over */
     if (status) return status;
+    scene->start = scree_hash_start;
     for (int k = 0; k < scene->defs; k++) {
-        scree_bodies_set(bodies, k, &scene->def[k], scene->material[scene->def[k].material].density);
+        scree_body_def def = scree_scene_definition(scene, k);
+        scree_bodies_set(bodies, k, &def, scene->material[def.material].density);
+        scene->start = print_start(scene->start, &def);
     }
-    status = scree_bodies_finish(bodies, scene->def, &scene->trouble);
-    if (!status) scree_bodies_start(bodies, 0.0);
-    return status;
+    status = scree_bodies_finish(bodies, definition_of, scene, &scene->trouble);
+    if (status) return status;
+    scree_scene_free_groups(scene);
+    set_period(scene);
+    scree_bodies_start(bodies, 0.0);
+    return SCREE_OK;
 }
 
 static void count_bodies(struct scree_scene *scene) {
@@ -584,6 +613,55 @@ static double choose_skin(const struct scree_bodies *bodies, int few, double rea
     return fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
 }
 
+/* Bodies start in the domain; only what has no end along a periodic axis, or fits into it twice, may be there. */
+static scree_status check_domain(struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 0; scene->bounded && k < bodies->count; k++) {
+        int plane = bodies->shape[k].kind == SCREE_PLANE, sphere = bodies->shape[k].kind == SCREE_SPHERE;
+        if (bodies->periodic && !plane && !sphere)
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
+                                "body \"%s\" is a %s: only spheres and planes can be in a periodic domain yet",
+                                scree_name(scene, k), scree_shape_name(bodies->shape[k].kind));
+        double normal[3] = {0.0, 0.0, 0.0};
+        if (plane) vec_store(bodies->attitude[bodies->slot[k]].frame.column[2], normal);
+        for (int axis = 0; axis < 3; axis++) {
+            double x = bodies->state[k].x[axis], period = bodies->period[axis];
+            /* Programs that put bodies back now and then write places that are somewhat beyond a periodic border. */
+            double beyond = 0.5 * period, low = scene->domain.min[axis], high = scene->domain.max[axis];
+            if (!plane && !(x >= low - beyond && x <= high + beyond))
+                return scree_report(&scene->trouble, SCREE_BAD_INPUT, "position",
+                                    "body \"%s\" starts outside of the domain: its %c is %.9g m, not %.9g to %.9g m",
+                                    scree_name(scene, k), "xyz"[axis], x, low, high);
+            if (sphere && period > 0.0 && period < 4.0 * bodies->record[k].radius)
+                return scree_report(&scene->trouble, SCREE_BAD_INPUT, "domain",
+                                    "the domain repeats itself every %g m along %c: that must be two diameters of the "
+                                    "largest sphere at least, and \"%s\" is %g m wide",
+                                    period, "xyz"[axis], scree_name(scene, k), 2.0 * bodies -> record[k].radius);
+            /* 1e-9: a normal across the axis, given in decimals. */
+            if (plane && period > 0.0 && fabs(normal[axis]) > 1e-9)
+                return scree_report(&scene->trouble, SCREE_BAD_INPUT, "orientation",
+                                    "plane \"%s\" cuts the axis %c, along which the domain is periodic: it must be "
+                                    "along it",
+                                    scree_name(scene, k), "xyz"[axis]);
+        }
+    }
+    return SCREE_OK;
+}
+
+/* A body must not meet itself: its image stays beyond what the list looks ahead. */
+static scree_status check_period(struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    double largest = 0.0;
+    for (int k = 0; k < bodies->count; k++) largest = fmax(largest, bodies->record[k].radius);
+    for (int axis = 0; axis < 3; axis++)
+        if (bodies->period[axis] > 0.0 && bodies->period[axis] <= 2.0 * largest + scene->contacts.skin)
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "domain",
+                                "the domain repeats itself every %g m along %c; with forces that reach as far as "
+                                "these, it must be more than %g m",
+                                bodies->period[axis], "xyz"[axis], 2.0 * largest + scene->contacts.skin);
+    return SCREE_OK;
+}
+
 static scree_status check_start_overlaps(struct scree_scene *scene) {
     struct scree_contacts *contacts = &scene->contacts;
     for (int b = 0; b < contacts->batches; b++) {
@@ -622,6 +700,9 @@ static scree_status keep_impulses(struct scree_scene *scene) {
 }
 
 static scree_status prepare_adaptive(struct scree_scene *scene) {
+    if (scene->bodies.periodic)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator",
+                            "the integrator \"adaptive\" doesn't know periodic domains; take \"verlet\"");
     for (int k = 0; k < scene->rules; k++) {
         const char *law = scree_grip_refuses(&scene->rule[k]);
         if (law)
@@ -641,14 +722,16 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status && scene->time.integrator == SCREE_ADAPTIVE) status = prepare_adaptive(scene);
     if (status) return status;
     count_bodies(scene);
-    status = plan_pairs_and_step(scene);
+    status = check_domain(scene);
+    if (!status) status = plan_pairs_and_step(scene);
     int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE; /* the plan may have chosen it */
     if (!status && impulses) status = keep_impulses(scene);
     if (status) return status;
     scene->contacts.skin = choose_skin(&scene->bodies, scene->adaptive ? 16 : 256, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
     scene->contacts.step = scene->adaptive ? 0.0 : scene->step;
-    status = scree_contacts_sort(&scene->contacts, &scene->bodies, &scene->trouble);
+    status = check_period(scene);
+    if (!status) status = scree_contacts_sort(&scene->contacts, &scene->bodies, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
     if (status || !scene->time.energy) return status;

@@ -134,22 +134,50 @@ static char *beside_file(const struct scree_reader *r, const char *file) {
 
 enum { LARGEST_TABLE = 1 << 30 };
 
-char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
-                            struct scree_table *table) {
+/* The path of the file that a string names, to be freed, and its text; NULL after a complaint. */
+static char *read_file_beside(struct scree_reader *r, const struct scree_toml *node, char **text, size_t *size) {
     if (!node->string[0] || strcmp(node->string, "-") == 0) {
         scree_complain(r, node, "file must name a table (standard input can't be one)");
         return NULL;
     }
     char *path = beside_file(r, node->string);
-    size_t size;
-    char *text = path ? scree_read_file(path, LARGEST_TABLE, &size, r->trouble) : NULL;
-    if (!path) r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
-    if (path && !text) r->status = r->trouble->status;
-    if (text) r->status = scree_table_parse(text, size, path, rising, table, r->trouble);
+    *text = path ? scree_read_file(path, LARGEST_TABLE, size, r->trouble) : NULL;
+    if (*text) return path;
+    r->status = path ? r->trouble->status : scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
+    free(path);
+    return NULL;
+}
+
+char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
+                            struct scree_table *table) {
+    char *text = NULL;
+    size_t size = 0;
+    char *path = read_file_beside(r, node, &text, &size);
+    if (path) r->status = scree_table_parse(text, size, path, rising, table, r->trouble);
     free(text);
     if (!r->status) return path;
     free(path);
     return NULL;
+}
+
+char *scree_read_word_file(struct scree_reader *r, const struct scree_toml *node, const char *const *words,
+                           struct scree_table *table, char **text) {
+    size_t size = 0;
+    *text = NULL;
+    char *path = read_file_beside(r, node, text, &size);
+    if (path) r->status = scree_table_parse_words(*text, size, path, words, table, r->trouble);
+    if (!r->status) return path;
+    free(path);
+    return NULL;
+}
+
+SCREE_PRINTF(5, 6)
+void scree_complain_in_table(struct scree_reader *r, const char *path, int line, int column, const char *format, ...) {
+    va_list arguments;
+    if (r->status) return;
+    va_start(arguments, format);
+    r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, path, line, column, format, arguments);
+    va_end(arguments);
 }
 
 void scree_read_rows(struct scree_reader *r, const struct scree_toml *rows, const char *const *names, int least,

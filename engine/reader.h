@@ -49,6 +49,14 @@ int scree_choose(struct scree_reader *r, const struct scree_toml *node, const ch
 char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
                             struct scree_table *table);
 
+/* The same with columns of words; `text` receives what they point into, to be freed after the table. */
+char *scree_read_word_file(struct scree_reader *r, const struct scree_toml *node, const char *const *words,
+                           struct scree_table *table, char **text);
+
+/* Complain about a place in a table's file: line and column from 1. */
+SCREE_PRINTF(5, 6)
+void scree_complain_in_table(struct scree_reader *r, const char *path, int line, int column, const char *format, ...);
+
 /* rows = [[…], …] as columns of these names (NULL-terminated), from `least` to as many as there are; `what` tells how rows look. */
 void scree_read_rows(struct scree_reader *r, const struct scree_toml *rows, const char *const *names, int least,
                      const char *what, struct scree_table *table);

@@ -23,7 +23,7 @@ struct memory {
 struct scalars {
     long steps;
     double step;
-    double driven, first_energy, lost_normal, work_tangential, deepest, steepest;
+    double carried[3], driven, first_energy, lost_normal, work_tangential, deepest, steepest;
     int deepest_ball, deepest_host, steepest_ball, steepest_host;
     int energy; /* the books were kept */
     struct scree_watched watched;
@@ -52,10 +52,20 @@ static void get(struct stream *s, void *data, size_t size) {
 
 /* Fingerprints of all that decides how the state goes on, part by part, so that a message can say what differs. Output, the
  * time at which a run ends, and threads are free to change; the step is looked at apart. */
-enum { PRINT_BODIES, PRINT_START, PRINT_CONTACTS, PRINT_MOTIONS, PRINT_GRAVITY, PRINT_INTEGRATOR, PRINTS };
+enum {
+    PRINT_BODIES,
+    PRINT_START,
+    PRINT_CONTACTS,
+    PRINT_MOTIONS,
+    PRINT_GRAVITY,
+    PRINT_INTEGRATOR,
+    PRINT_DOMAIN,
+    PRINTS
+};
 
 static const char *const print_names[PRINTS] = {
-    "bodies or their joints", "start positions or velocities", "contacts", "motions", "gravity", "integrator"};
+    "bodies or their joints", "start positions or velocities", "contacts", "motions", "gravity", "integrator",
+    "periodic domain"};
 
 struct prints {
     uint64_t of[PRINTS];
@@ -73,7 +83,7 @@ static uint64_t print_bodies(const scree_scene *scene) {
         int k = bodies->place[number];
         const scree_joint *joint = &bodies->joint[k];
         const scree_shape *shape = &bodies->shape[k];
-        hash = hash_name(hash, scene->def[number].name);
+        hash = hash_name(hash, scree_name(scene, number));
         hash = hash_name(hash, scene->material[bodies->material[k]].name);
         HASH_ON(hash, shape->kind);
         HASH_ON(hash, shape->radius);
@@ -87,19 +97,6 @@ static uint64_t print_bodies(const scree_scene *scene) {
         HASH_ON(hash, joint->turn);
         if (joint->turn == SCREE_DRIVEN) HASH_ON(hash, joint->turn_motion);
         HASH_ON(hash, joint->axis);
-    }
-    return hash;
-}
-
-/* The state replaces where free bodies start, but not where fixed ones are and driven ones count from; and whoever changes
- * a start means another run. */
-static uint64_t print_start(const scree_scene *scene) {
-    uint64_t hash = scree_hash_start;
-    for (int k = 0; k < scene->defs; k++) {
-        HASH_ON(hash, scene->def[k].position);
-        HASH_ON(hash, scene->def[k].orientation);
-        HASH_ON(hash, scene->def[k].velocity);
-        HASH_ON(hash, scene->def[k].spin);
     }
     return hash;
 }
@@ -161,14 +158,23 @@ static uint64_t print_integrator(const scree_scene *scene) {
     return hash;
 }
 
+/* Where the domain begins and ends counts only along periodic axes. */
+static uint64_t print_domain(const scree_scene *scene) {
+    uint64_t hash = scree_hash_start;
+    HASH_ON(hash, scene->bodies.low);
+    HASH_ON(hash, scene->bodies.period);
+    return hash;
+}
+
 static struct prints prints_of(const scree_scene *scene) {
     struct prints prints = {{0}};
     prints.of[PRINT_BODIES] = print_bodies(scene);
-    prints.of[PRINT_START] = print_start(scene);
+    prints.of[PRINT_START] = scene->start;
     prints.of[PRINT_CONTACTS] = print_contacts(scene);
     prints.of[PRINT_MOTIONS] = print_motions(scene);
     prints.of[PRINT_GRAVITY] = print_gravity(scene);
     prints.of[PRINT_INTEGRATOR] = print_integrator(scene);
+    prints.of[PRINT_DOMAIN] = print_domain(scene);
     return prints;
 }
 
@@ -267,6 +273,7 @@ static struct scalars scalars_of(const scree_scene *scene) {
     scalars.step = scene->step;
     scalars.energy = scene->time.energy;
     scalars.watched = scene->watched; /* two whole numbers, then doubles: no padding */
+    memcpy(scalars.carried, scene->carried, sizeof scalars.carried);
     scalars.driven = scene->driven;
     scalars.first_energy = scene->first_energy;
     scalars.lost_normal = contacts->lost_normal;
@@ -287,6 +294,7 @@ static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
     scene->effort = scalars->effort;
     scene->step = scene->plan.choice.step = scalars->step;
     scene->watched = scalars->watched;
+    memcpy(scene->carried, scalars->carried, sizeof scene->carried);
     scene->driven = scalars->driven;
     scene->first_energy = scalars->first_energy;
     contacts->lost_normal = scalars->lost_normal;

@@ -1,6 +1,7 @@
 /* Scenes: creating, defining, destroying. Whatever is given in is checked here and copied. */
 #include "engine/scene.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,6 @@ scree_scene *scree_scene_create(void) { return calloc(1, sizeof(scree_scene)); }
 void scree_scene_destroy(scree_scene *scene) {
     if (!scene) return;
     for (int k = 0; k < scene->materials; k++) free((char *)(uintptr_t)scene->material[k].name);
-    for (int k = 0; k < scene->defs; k++) free((char *)(uintptr_t)scene->def[k].name);
     for (int k = 0; scene->motion && k < scene->motions; k++) scree_motion_free(&scene->motion[k]);
     for (int k = 0; k < scene->motions; k++) free(scene->motion_name[k]);
     free(scene->material);
@@ -18,7 +18,7 @@ void scree_scene_destroy(scree_scene *scene) {
     free(scene->motion_name);
     for (int k = 0; k < scene->rules; k++) scree_free_rule(&scene->rule[k]);
     free(scene->rule);
-    free(scene->def);
+    scree_scene_free_groups(scene);
     scree_names_free(&scene->names);
     free(scene->plan.trial);
     free(scene->checkpoint.state);
@@ -257,32 +257,150 @@ static scree_status check_mass(scree_scene *scene, const scree_body_def *def) {
                         "body \"%s\" has a mass of %g kg and a size that numbers can't hold together", def->name, mass);
 }
 
-scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index) {
-    scree_status status = check_new(scene, "body", def->name, scree_scene_find_body(scene, def->name));
-    if (status) return status;
+/* Everything about a body but its name's being new. */
+static scree_status check_body(scree_scene *scene, const scree_body_def *def) {
     if (def->material < 0 || def->material >= scene->materials)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "material",
                             "body \"%s\" is of material %d, which isn't there", def->name, def->material);
     scree_trouble cause;
-    status = scree_shape_check(&def->shape, &cause);
+    scree_status status = scree_shape_check(&def->shape, &cause);
     if (status) return scree_report(&scene->trouble, status, cause.field, "body \"%s\": %s", def->name, cause.text);
     status = check_numbers(scene, def);
     if (!status) status = check_joint(scene, def);
     if (!status) status = check_turning_plane(scene, def);
     if (!status) status = check_mass(scene, def);
-    if (!status) status = make_room(scene, (void **)&scene->def, scene->defs, &scene->def_capacity, sizeof *scene->def);
-    char *name = NULL;
-    if (!status) status = copy_name(scene, def->name, &name);
-    if (!status && scree_names_add(&scene->names, name, scene->defs)) {
-        free(name);
-        status = scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for a name");
-    }
-    if (status) return status;
-    scene->def[scene->defs] = *def;
-    scene->def[scene->defs].name = name;
+    return status;
+}
+
+static scree_status add_name(scree_scene *scene, const char *name) {
+    if (!scree_names_add(&scene->names, name)) return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the names of %d bodies",
+                        scene->names.count);
+}
+
+static scree_status room_for_group(scree_scene *scene) {
+    return make_room(scene, (void **)&scene->group, scene->groups, &scene->group_capacity, sizeof *scene->group);
+}
+
+static void add_group(scree_scene *scene, struct scree_body_group group, int *index) {
+    group.first = scene->defs;
+    group.like.name = NULL;
+    scene->group[scene->groups++] = group;
     if (index) *index = scene->defs;
-    scene->defs++;
+    scene->defs += group.count;
+}
+
+scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index) {
+    scree_status status = check_new(scene, "body", def->name, scree_scene_find_body(scene, def->name));
+    if (!status) status = check_body(scene, def);
+    if (!status) status = room_for_group(scene);
+    if (!status) status = add_name(scene, def->name);
+    if (!status) add_group(scene, (struct scree_body_group){.count = 1, .like = *def}, index);
+    return status;
+}
+
+/* How sphere `k` of many is called; the caller's buffer holds the number. */
+struct numbered {
+    char text[300];
+};
+
+static const char *sphere_name(const scree_spheres_def *def, int k, struct numbered *numbered) {
+    if (def->names) return def->names[k];
+    snprintf(numbered->text, sizeof numbered->text, "%.*s %d", 256, def->name,
+             (def->first_number ? def->first_number : 1) + k);
+    return numbered->text;
+}
+
+static scree_body_def sphere_def(const scree_spheres_def *def, int k, const char *name) {
+    scree_body_def body = {.name = name, .material = def->material, .joint = def->joint};
+    body.shape = (scree_shape){.kind = SCREE_SPHERE, .radius = def->radii ? def->radii[k] : def->radius};
+    memcpy(body.position, def->positions[k], sizeof body.position);
+    if (def->velocity) memcpy(body.velocity, def->velocity, sizeof body.velocity);
+    if (def->velocities) memcpy(body.velocity, def->velocities[k], sizeof body.velocity);
+    if (def->spins) memcpy(body.spin, def->spins[k], sizeof body.spin);
+    return body;
+}
+
+static scree_status add_sphere(scree_scene *scene, const scree_spheres_def *def, struct scree_body_group *group,
+                               int k) {
+    struct numbered numbered;
+    const char *name = sphere_name(def, k, &numbered);
+    scree_status status = check_new(scene, "body", name, scree_scene_find_body(scene, name));
+    scree_body_def body = sphere_def(def, k, name);
+    if (!status) status = check_body(scene, &body);
+    if (!status) status = add_name(scene, name);
+    if (status) return status;
+    if (k == 0) group->like = body;
+    memcpy(group->place[k], body.position, sizeof body.position);
+    group->place[k][3] = body.shape.radius;
+    if (!group->motion) return SCREE_OK;
+    memcpy(group->motion[k], body.velocity, sizeof body.velocity);
+    memcpy(group->motion[k] + 3, body.spin, sizeof body.spin);
     return SCREE_OK;
+}
+
+scree_status scree_scene_add_spheres(scree_scene *scene, const scree_spheres_def *def, int *first) {
+    if (def->count < 1 || def->count > INT_MAX - scene->defs)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "count", "a group of spheres has at least one, got %d",
+                            def->count);
+    scree_status status = check_new(scene, "group of spheres", def->name, -1);
+    scene->trouble.body = -1;
+    if (!status) status = room_for_group(scene);
+    if (status) return status;
+    struct scree_body_group group = {.count = def->count};
+    int known = scene->names.count, moving = def->velocities || def->spins;
+    group.place = malloc((size_t)def->count * sizeof *group.place);
+    group.motion = moving ? malloc((size_t)def->count * sizeof *group.motion) : NULL;
+    if (!group.place || (moving && !group.motion))
+        status = scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for %d spheres", def->count);
+    for (int k = 0; k < def->count && !status; k++) {
+        status = add_sphere(scene, def, &group, k);
+        if (status) scene->trouble.body = k;
+    }
+    if (!status) {
+        add_group(scene, group, first);
+        return SCREE_OK;
+    }
+    scree_names_cut(&scene->names, known);
+    free(group.place);
+    free(group.motion);
+    return status;
+}
+
+/* The group that body k belongs to. */
+static const struct scree_body_group *group_of(const scree_scene *scene, int k) {
+    int low = 0, high = scene->groups;
+    while (high - low > 1) {
+        int middle = low + (high - low) / 2;
+        if (scene->group[middle].first <= k)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &scene->group[low];
+}
+
+scree_body_def scree_scene_definition(const scree_scene *scene, int k) {
+    const struct scree_body_group *group = group_of(scene, k);
+    scree_body_def def = group->like;
+    def.name = scene->names.name[k];
+    for (int axis = 0; group->place && axis < 3; axis++) def.position[axis] = group->place[k - group->first][axis];
+    if (group->place) def.shape.radius = group->place[k - group->first][3];
+    for (int axis = 0; group->motion && axis < 3; axis++) {
+        def.velocity[axis] = group->motion[k - group->first][axis];
+        def.spin[axis] = group->motion[k - group->first][3 + axis];
+    }
+    return def;
+}
+
+void scree_scene_free_groups(scree_scene *scene) {
+    for (int k = 0; k < scene->groups; k++) {
+        free(scene->group[k].place);
+        free(scene->group[k].motion);
+    }
+    free(scene->group);
+    scene->group = NULL;
+    scene->groups = scene->group_capacity = 0;
 }
 
 scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def *def) {
@@ -296,6 +414,20 @@ scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "gravity",
                             "tilting gravity needs an axis other than zero");
     scene->gravity = *def;
+    return SCREE_OK;
+}
+
+scree_status scree_scene_set_domain(scree_scene *scene, const scree_domain_def *def) {
+    static const char *const axes[] = {"x", "y", "z"};
+    if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene keeps its domain");
+    for (int axis = 0; axis < 3; axis++) {
+        double low = def->min[axis], high = def->max[axis];
+        if (!isfinite(low) || !isfinite(high) || !isfinite(high - low) || !(high > low))
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "max",
+                                "the domain must go up from min to max along %s, got %g and %g", axes[axis], low, high);
+    }
+    scene->domain = *def;
+    scene->bounded = 1;
     return SCREE_OK;
 }
 

@@ -7,6 +7,14 @@
 #include "engine/scree.h"
 #include "engine/trial.h"
 
+/* Bodies as they are defined, one or many that are alike but for the arrays. Arrays are owned. */
+struct scree_body_group {
+    int first, count;    /* which bodies */
+    scree_body_def like; /* without name */
+    double (*place)[4];  /* position, radius; NULL: `like` says them */
+    double (*motion)[6]; /* velocity, spin; NULL: `like` says them */
+};
+
 /* How the step was chosen, and what limits it. */
 struct scree_step_choice {
     double step;
@@ -62,16 +70,20 @@ struct scree_scene {
     int baked; /* 0: still being defined, 1: ready, -1: baking failed */
 
     /* Definitions. Strings and arrays in them are owned. */
-    int materials, motions, rules, defs;
-    int material_capacity, motion_capacity, rule_capacity, def_capacity;
+    int materials, motions, rules, groups;
+    int material_capacity, motion_capacity, rule_capacity, group_capacity;
     scree_material_def *material;
     struct scree_motion *motion; /* handed over to `bodies` when baked */
     char **motion_name;
     struct scree_rule *rule;
-    scree_body_def *def;
-    struct scree_names names; /* of the bodies */
+    int defs;                       /* bodies */
+    struct scree_body_group *group; /* given up once the bodies are made */
+    struct scree_names names;       /* of the bodies */
+    uint64_t start;                 /* fingerprint of where and how bodies start, made with them */
     scree_gravity_def gravity;
     scree_time_def time;
+    int bounded; /* there is a domain */
+    scree_domain_def domain;
 
     /* The running scene. */
     struct scree_scene_plan plan;
@@ -82,6 +94,7 @@ struct scree_scene {
     long steps;
     int ahead;           /* members of slabs (bodies/order.c) are at the middle of the next step already, */
     int too_far;         /* and one of them has outgrown its margin there */
+    double carried[3];   /* kg m, mass times way of all bodies' returns into the periodic box, against it */
     double driven;       /* J put in by drives and tilting so far */
     double first_energy; /* J at the start */
     double hasty;        /* longest way of a body in one step, in parts of what the list looks ahead */
@@ -98,6 +111,11 @@ struct scree_scene {
 /* Steps without and with the watch that halves the step. */
 scree_status scree_step_plainly(struct scree_scene *scene, long steps);
 scree_status scree_step_watched(struct scree_scene *scene, long steps);
+/* Definition of body k, which must not be baked yet. */
+scree_body_def scree_scene_definition(const struct scree_scene *scene, int k);
+
+/* Give up the definitions of bodies. */
+void scree_scene_free_groups(struct scree_scene *scene);
 
 /* Gravity at a time, m/s^2. */
 void scree_gravity_at(const struct scree_scene *scene, double time, double gravity[3]);
@@ -124,7 +142,7 @@ scree_status scree_adaptive_step(struct scree_scene *scene);
 
 /* Name of body number k for messages. */
 static inline const char *scree_name(const struct scree_scene *scene, int k) {
-    return k >= 0 ? scene->def[k].name : "nothing";
+    return k >= 0 && k < scene->names.count ? scene->names.name[k] : "nothing";
 }
 
 #endif

@@ -4,27 +4,15 @@
 
 #include "engine/c_locale.h"
 #include "engine/file.h"
-#include "engine/reader.h"
-#include "engine/table.h"
-#include "engine/toml.h"
+#include "engine/scene_reader.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* What a scene file is read into (scree_reader.into). */
-struct target {
-    scree_scene *scene;
-    struct scree_run_request *request;
-    int threads;
-    double end, every;
-};
+static struct scree_scene_target *into(struct scree_reader *r) { return r->into; }
 
-static struct target *into(struct scree_reader *r) { return r->into; }
-
-/* Pass on what the library said of a definition that came from `table`. */
-static void check(struct scree_reader *r, scree_status status, const struct scree_toml *table) {
+void scree_pass_on(struct scree_reader *r, scree_status status, const struct scree_toml *table) {
     if (!status || r->status) return;
     const scree_trouble *cause = scree_scene_trouble(into(r)->scene);
     scree_complain(r, table ? scree_toml_nearest(table, cause->field) : NULL, "%s", cause->text);
@@ -33,10 +21,7 @@ static void check(struct scree_reader *r, scree_status status, const struct scre
 
 /* ---- names of materials, motions, bodies ---- */
 
-typedef int finder(const scree_scene *scene, const char *name);
-
-/* The index of the thing that a string names, or 0 with a complaint that gives the nearest of `siblings` ([[what]]). */
-static int find_named(struct scree_reader *r, const struct scree_toml *node, const char *what, finder *find) {
+int scree_find_named(struct scree_reader *r, const struct scree_toml *node, const char *what, scree_finder *find) {
     if (node->type != SCREE_TOML_STRING) {
         scree_complain(r, node, "the name of a %s must be a string, not %s", what, scree_toml_type_name(node->type));
         return 0;
@@ -71,7 +56,7 @@ static void read_material(struct scree_reader *r, const struct scree_toml *table
     }
     if (young && def.young == 0.0) scree_complain(r, young, "Young's modulus must be positive (Pa)");
     if (young && !scree_toml_get(table, "poisson")) scree_complain(r, table, "Young's modulus needs poisson beside it");
-    if (!r->status) check(r, scree_scene_add_material(into(r)->scene, &def, NULL), table);
+    if (!r->status) scree_pass_on(r, scree_scene_add_material(into(r)->scene, &def, NULL), table);
 }
 
 /* { law = "…", parameter = number, … } */
@@ -179,8 +164,8 @@ static void read_contact(struct scree_reader *r, const struct scree_toml *table)
     if (!between || between->type != SCREE_TOML_ARRAY || between->count != 2)
         scree_complain(r, between ? between : table, "a contact needs between = [\"one material\", \"another\"]");
     else {
-        def.between[0] = find_named(r, between->first, "material", scree_scene_find_material);
-        def.between[1] = find_named(r, between->last, "material", scree_scene_find_material);
+        def.between[0] = scree_find_named(r, between->first, "material", scree_scene_find_material);
+        def.between[1] = scree_find_named(r, between->last, "material", scree_scene_find_material);
     }
     read_law(r, table, "normal", &def.normal);
     read_law(r, table, "friction", &def.friction);
@@ -196,7 +181,7 @@ static void read_contact(struct scree_reader *r, const struct scree_toml *table)
         read_forces(r, scree_toml_get(table, "normal"), &forces);
         def.table = &forces.grid;
     }
-    if (!r->status) check(r, scree_scene_add_contact(into(r)->scene, &def), table);
+    if (!r->status) scree_pass_on(r, scree_scene_add_contact(into(r)->scene, &def), table);
     free_forces(&forces);
 }
 
@@ -210,14 +195,6 @@ static const struct {
                       {"jerk", {"jerk", "jerk_m_s3", "jerk_rad_s3"}}};
 
 enum { MOTION_COLUMNS = sizeof motion_columns / sizeof motion_columns[0] };
-
-SCREE_PRINTF(5, 6)
-static void complain_in_table(struct scree_reader *r, const char *path, int line, int column, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, path, line, column, format, arguments);
-    va_end(arguments);
-}
 
 /* Columns of the comb's lift in a servo table (solver/table.h), which `axis = "lift"` chooses. */
 static const char lift_prefix[] = "lift_";
@@ -246,25 +223,26 @@ static void check_motion_columns(struct scree_reader *r, const char *path, const
                 if (strcmp(name, motion_columns[m].names[n]) == 0) found = m;
             }
         if (found < 0)
-            complain_in_table(
+            scree_complain_in_table(
                 r, path, table->header, table->at[k],
                 "there is no column \"%s\" in a motion table: it has time_s, position_m (or position_rad) "
                 "and, if wanted, velocity_m_s, acceleration_m_s2 and jerk_m_s3 (or …_rad_…), in these units%s",
                 table->name[k], scree_hint(table->name[k], all).text);
         else if (seen[found]++)
-            complain_in_table(r, path, table->header, table->at[k], "two columns for the %s",
-                              motion_columns[found].quantity);
+            scree_complain_in_table(r, path, table->header, table->at[k], "two columns for the %s",
+                                    motion_columns[found].quantity);
     }
     for (int m = 0; m < 2 && !r->status; m++)
         if (!seen[m])
-            complain_in_table(r, path, table->header, 1,
-                              "the table needs the columns time_s and position_m (or position_rad)");
+            scree_complain_in_table(r, path, table->header, 1,
+                                    "the table needs the columns time_s and position_m (or position_rad)");
     for (int m = 3; m < MOTION_COLUMNS && !r->status; m++)
         if (seen[m] && !seen[m - 1])
-            complain_in_table(r, path, table->header, 1, "the %s of a motion counts only beside its %s",
-                              motion_columns[m].quantity, motion_columns[m - 1].quantity);
+            scree_complain_in_table(r, path, table->header, 1, "the %s of a motion counts only beside its %s",
+                                    motion_columns[m].quantity, motion_columns[m - 1].quantity);
     if (!r->status && table->rows < 2)
-        complain_in_table(r, path, 0, 0, "a motion needs at least 2 rows of numbers, this table has %zu", table->rows);
+        scree_complain_in_table(r, path, 0, 0, "a motion needs at least 2 rows of numbers, this table has %zu",
+                                table->rows);
 }
 
 /* The times of a motion's rows increase. */
@@ -357,7 +335,7 @@ static void read_motion(struct scree_reader *r, const struct scree_toml *table) 
     if (law) def.rise = (scree_rise_law)scree_choose(r, law, "law", rises);
     struct scree_table columns = {0};
     if (!r->status && def.kind == SCREE_MOTION_TABLE) read_motion_table(r, table, &def, &columns);
-    if (!r->status) check(r, scree_scene_add_motion(into(r)->scene, &def, NULL), table);
+    if (!r->status) scree_pass_on(r, scree_scene_add_motion(into(r)->scene, &def, NULL), table);
     scree_table_free(&columns);
 }
 
@@ -374,13 +352,13 @@ static void read_gravity(struct scree_reader *r) {
         scree_read_numbers(r, node, "axis", 3, def.axis);
         const struct scree_toml *tilt = scree_toml_get(node, "tilt");
         def.tilts = tilt != NULL;
-        if (tilt) def.tilt = find_named(r, tilt, "motion", scree_scene_find_motion);
+        if (tilt) def.tilt = scree_find_named(r, tilt, "motion", scree_scene_find_motion);
         if (!tilt && scree_toml_get(node, "axis"))
             scree_complain(r, scree_toml_get(node, "axis"),
                            "gravity has an axis only to tilt about: add tilt = \"motion\"");
     } else
         scree_read_numbers(r, r->root, "gravity", 3, def.vector);
-    if (!r->status) check(r, scree_scene_set_gravity(into(r)->scene, &def), node);
+    if (!r->status) scree_pass_on(r, scree_scene_set_gravity(into(r)->scene, &def), node);
 }
 
 static void read_shape(struct scree_reader *r, const struct scree_toml *body, scree_shape *shape) {
@@ -440,7 +418,7 @@ static void read_orientation(struct scree_reader *r, const struct scree_toml *bo
 static scree_freedom read_freedom(struct scree_reader *r, const struct scree_toml *node, int *motion) {
     if (node->type == SCREE_TOML_STRING && strcmp(node->string, "free") == 0) return SCREE_FREE;
     if (node->type == SCREE_TOML_STRING && strcmp(node->string, "fixed") == 0) return SCREE_FIXED;
-    *motion = find_named(r, node, "motion", scree_scene_find_motion);
+    *motion = scree_find_named(r, node, "motion", scree_scene_find_motion);
     return SCREE_DRIVEN;
 }
 
@@ -470,11 +448,10 @@ static void read_turn(struct scree_reader *r, const struct scree_toml *node, scr
         return;
     }
     joint->turn = SCREE_DRIVEN;
-    joint->turn_motion = find_named(r, motion, "motion", scree_scene_find_motion);
+    joint->turn_motion = scree_find_named(r, motion, "motion", scree_scene_find_motion);
 }
 
-/* "free", "fixed", or { x = …, y = …, z = …, turn = …, others = "fixed" } */
-static void read_joint(struct scree_reader *r, const struct scree_toml *body, scree_joint *joint) {
+void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scree_joint *joint) {
     static const char *const keys[] = {"x", "y", "z", "turn", "others", NULL};
     static const char *const words[] = {"free", "fixed", NULL};
     const struct scree_toml *node = scree_toml_get(body, "joint");
@@ -503,14 +480,14 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
     if (!material) scree_complain(r, table, "a body needs a material");
     if (mass && !(def.mass > 0.0)) scree_complain(r, mass, "the mass of a body must be > 0 kg, got %g", def.mass);
     if (r->status) return;
-    def.material = find_named(r, material, "material", scree_scene_find_material);
+    def.material = scree_find_named(r, material, "material", scree_scene_find_material);
     read_shape(r, table, &def.shape);
     scree_read_numbers(r, table, "position", 3, def.position);
     scree_read_numbers(r, table, "velocity", 3, def.velocity);
     scree_read_numbers(r, table, "spin", 3, def.spin);
     read_orientation(r, table, def.orientation);
-    read_joint(r, table, &def.joint);
-    if (!r->status) check(r, scree_scene_add_body(into(r)->scene, &def, NULL), table);
+    scree_read_joint(r, table, &def.joint);
+    if (!r->status) scree_pass_on(r, scree_scene_add_body(into(r)->scene, &def, NULL), table);
 }
 
 /* The largest whole share of `every`, down to a thousandth, of which `end` is a whole multiple. 1e-9: the quotient of two numbers
@@ -592,11 +569,11 @@ static void read_time(struct scree_reader *r) {
     if (!(threads >= 1.0 && threads <= 1024.0 && threads == floor(threads)))
         scree_complain(r, scree_toml_get(table, "threads"), "threads must be a whole number, 1 to 1024");
     def.threads = into(r)->threads > 0 ? into(r)->threads : r->status ? 1 : (int)threads;
-    if (!r->status) check(r, scree_scene_set_time(into(r)->scene, &def), table);
+    if (!r->status) scree_pass_on(r, scree_scene_set_time(into(r)->scene, &def), table);
 }
 
 static void read_write_list(struct scree_reader *r, const struct scree_toml *list) {
-    static const char *const words[] = {"bodies.csv", "contacts.csv", "energy.csv", "vtk", NULL};
+    static const char *const words[] = {"bodies.csv", "contacts.csv", "energy.csv", "vtk", "spheres.csv", NULL};
     if (list->type != SCREE_TOML_ARRAY) {
         scree_complain(r, list, "write must be an array such as [\"bodies.csv\", \"vtk\"]");
         return;
@@ -634,12 +611,12 @@ static void read_output_bodies(struct scree_reader *r) {
         return;
     }
     for (const struct scree_toml *entry = list->first; entry; entry = entry->next)
-        into(r)->request->body[into(r)->request->bodies++] = find_named(r, entry, "body", scree_scene_find_body);
+        into(r)->request->body[into(r)->request->bodies++] = scree_find_named(r, entry, "body", scree_scene_find_body);
 }
 
 static void read_root(struct scree_reader *r) {
-    static const char *const keys[] = {"title",  "gravity", "time",   "material", "contact",
-                                       "motion", "body",    "output", NULL};
+    static const char *const keys[] = {"title",  "gravity", "time",    "domain",   "material", "contact",
+                                       "motion", "body",    "spheres", "generate", "output",   NULL};
     scree_check_keys(r, r->root, "the scene", keys);
     const char *title = scree_read_string(r, r->root, "title");
     into(r)->request->title = strdup(title ? title : "");
@@ -651,7 +628,10 @@ static void read_root(struct scree_reader *r) {
     scree_read_each(r, r->root, "contact", read_contact);
     scree_read_each(r, r->root, "motion", read_motion);
     if (!r->status) read_gravity(r);
+    if (!r->status) scree_read_domain(r);
     scree_read_each(r, r->root, "body", read_body);
+    scree_read_each(r, r->root, "spheres", scree_read_spheres);
+    scree_read_each(r, r->root, "generate", scree_read_generate);
     if (!r->status) read_output_bodies(r);
     into(r)->request->end = into(r)->end;
     into(r)->request->every = into(r)->every;
@@ -694,11 +674,12 @@ static scree_status define(struct scree_reader *r, struct scree_toml_document *d
         check_length(r);
         return r->status;
     }
-    /* Of what baking refuses, only the step stands in one place of the file. */
+    /* Of what baking refuses, only the step and the domain stand in one place of the file. */
     const scree_trouble *cause = scree_scene_trouble(into(r)->scene);
-    const struct scree_toml *time = scree_toml_get(r->root, "time");
     int of_time = strcmp(cause->field, "step") == 0 || strcmp(cause->field, "accuracy") == 0;
-    check(r, status, of_time ? time : NULL);
+    const char *place = of_time ? "time" : cause->field;
+    int known = strcmp(place, "time") == 0 || strcmp(place, "domain") == 0;
+    scree_pass_on(r, status, known ? scree_toml_get(r->root, place) : NULL);
     return r->status;
 }
 
@@ -707,7 +688,7 @@ scree_status scree_read_scene(const char *text, size_t size, const char *name, c
                               scree_trouble *trouble) {
     *request = (struct scree_run_request){0};
     *scene = NULL;
-    struct target target = {.request = request, .threads = threads};
+    struct scree_scene_target target = {.request = request, .threads = threads};
     struct scree_reader r = {.name = name, .trouble = trouble, .into = &target};
     struct scree_toml_document document;
     struct scree_c_locale locale = scree_enter_c_locale();

@@ -4,7 +4,13 @@
 
 #include "engine/scree.h"
 
-enum scree_write { SCREE_WRITE_BODIES = 1, SCREE_WRITE_CONTACTS = 2, SCREE_WRITE_ENERGY = 4, SCREE_WRITE_VTK = 8 };
+enum scree_write {
+    SCREE_WRITE_BODIES = 1,
+    SCREE_WRITE_CONTACTS = 2,
+    SCREE_WRITE_ENERGY = 4,
+    SCREE_WRITE_VTK = 8,
+    SCREE_WRITE_SPHERES = 16
+};
 
 /* What a scene file says besides the scene itself. */
 struct scree_run_request {

@@ -6,7 +6,8 @@
  * scenes can run in several threads at once, one thread a scene. Strings and arrays given in are copied.
  *
  * The state after a run is the same in every bit for any number of threads, with and without measurements, and
- * after save and restore. */
+ * after save and restore; and on every processor: of the loops for its instructions the widest that it has is taken when a scene is
+ * baked, or the one that the environment variable SCREE_ISA names (baseline, avx2, avx512). */
 #ifndef SCREE_H
 #define SCREE_H
 
@@ -73,6 +74,56 @@ typedef struct scree_time_def {
     int energy;  /* keep the energy books (scree_scene_energy) */
 } scree_time_def;
 
+/* Many spheres at once, alike but for what the arrays say. */
+typedef struct scree_spheres_def {
+    const char *name; /* they are called "name 1", "name 2", … */
+    int first_number; /* … or from this number on; 0: 1 */
+    int material;     /* index returned by scree_scene_add_material */
+    scree_joint joint;
+    int count;
+    const double (*positions)[3]; /* of the centres, m */
+    double radius;                /* m; counts without `radii` */
+    const double *radii;
+    const double *velocity;                     /* of all, m/s; NULL: at rest */
+    const double (*velocities)[3], (*spins)[3]; /* of each, m/s and rad/s; NULL: as said by `velocity`; no spin */
+    const char *const *names;                   /* NULL: numbered as above */
+} scree_spheres_def;
+
+typedef enum scree_generator {
+    SCREE_LATTICE = 0, /* at the points of a cubic lattice, row by row from `min` on: x first, then y, then z */
+    SCREE_RANDOM,      /* anywhere in the box, one after the other, the largest first, so that none overlap */
+} scree_generator;
+
+typedef enum scree_radii {
+    SCREE_RADII_UNIFORM = 0, /* any radius is as likely as any other */
+    SCREE_RADII_MASS,        /* all ranges of radii of one width have the same mass */
+} scree_radii;
+
+/* Spheres that are made by rule. The same definition makes the same spheres on any machine. */
+typedef struct scree_generate_def {
+    const char *name; /* they are called "name 1", "name 2", … */
+    scree_generator kind;
+    int material;
+    scree_joint joint;
+    double min[3], max[3]; /* the box that holds them all, m */
+    double radius[2];      /* least and largest, m; the second 0: all have the first */
+    scree_radii radii;     /* how radii are spread between the two */
+    int count;             /* 0: as many as the lattice has points */
+    double spacing;        /* of a lattice, m; 0: the largest diameter and twice the jitter */
+    double jitter;         /* m by which each coordinate is off its lattice point, at most */
+    uint64_t seed;         /* of jitter, radii and random places */
+    double velocity[3];    /* m/s */
+} scree_generate_def;
+
+/* The box in which bodies start (their centres), and the axes along which it repeats itself for ever: what leaves on one side
+ * comes in on the other, and spheres near one side meet the images of those near the other. Only spheres and planes (along such an
+ * axis) may be in a periodic scene. They may start up to half a period beyond such a side. Positions are reported inside of the box;
+ * velocities are as they are. */
+typedef struct scree_domain_def {
+    double min[3], max[3]; /* m */
+    int periodic[3];       /* along x, y, z; at least two of the largest diameters long then */
+} scree_domain_def;
+
 /* An empty scene, NULL if there is no memory. The caller destroys it; NULL may be destroyed too. */
 SCREE_API scree_scene *scree_scene_create(void);
 SCREE_API void scree_scene_destroy(scree_scene *scene);
@@ -86,7 +137,14 @@ SCREE_API scree_status scree_scene_add_material(scree_scene *scene, const scree_
 SCREE_API scree_status scree_scene_add_motion(scree_scene *scene, const scree_motion_def *def, int *index);
 SCREE_API scree_status scree_scene_add_contact(scree_scene *scene, const scree_contact_def *def);
 SCREE_API scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index);
+/* `first` (may be NULL) receives the index of the first of them; the others follow. SCREE_BAD_INPUT for a sphere that can't be:
+ * the trouble record's `body` tells which, counted from 0; no sphere is added then. */
+SCREE_API scree_status scree_scene_add_spheres(scree_scene *scene, const scree_spheres_def *def, int *first);
+/* SCREE_BAD_INPUT: they don't fit into the box without overlaps; lattice points of free spheres closer than a diameter;
+ * SCREE_NO_MEMORY: more than the machine has memory for. */
+SCREE_API scree_status scree_scene_generate(scree_scene *scene, const scree_generate_def *def, int *first);
 SCREE_API scree_status scree_scene_set_gravity(scree_scene *scene, const scree_gravity_def *def);
+SCREE_API scree_status scree_scene_set_domain(scree_scene *scene, const scree_domain_def *def);
 SCREE_API scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def);
 
 /* Index of a material, motion or body by name; -1 if there is none. */
@@ -129,10 +187,12 @@ typedef struct scree_body_state {
     double position[3], orientation[4], velocity[3], spin[3]; /* as in scree_body_def */
 } scree_body_state;
 
-/* State, name, shape, mass (kg; 0: none) and mobility (1: free or driven in some direction) of body `index` (0 … count - 1). The name belongs to the scene. */
+/* State, name, shape, material's name, mass (kg; 0: none) and mobility (1: free or driven in some direction) of body `index`
+ * (0 … count - 1). Names belong to the scene. */
 SCREE_API scree_body_state scree_scene_body(const scree_scene *scene, int index);
 SCREE_API const char *scree_scene_body_name(const scree_scene *scene, int index);
 SCREE_API scree_shape scree_scene_body_shape(const scree_scene *scene, int index);
+SCREE_API const char *scree_scene_body_material(const scree_scene *scene, int index);
 SCREE_API double scree_scene_body_mass(const scree_scene *scene, int index);
 SCREE_API int scree_scene_body_moves(const scree_scene *scene, int index);
 

@@ -57,6 +57,22 @@ static scree_status renew_list(scree_scene *scene) {
     return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
+/* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state, rounding
+ * included, depends on neither lists nor breaks. In between they may be outside. */
+enum { STEPS_TO_RETURN = 512 };
+
+static scree_status put_back(scree_scene *scene) {
+    struct scree_bodies *bodies = &scene->bodies;
+    if (!bodies->periodic || scene->steps % STEPS_TO_RETURN != 0) return SCREE_OK;
+    scree_status status = scree_contacts_return(&scene->contacts, bodies, &scene->trouble);
+    for (int n = 0; n < scene->contacts.returns && !status; n++) {
+        const struct scree_return *out = &scene->contacts.returned[n];
+        for (int axis = 0; axis < 3; axis++)
+            scene->carried[axis] += bodies->inertia[out->body].mass * out->periods[axis] * bodies->period[axis];
+    }
+    return status;
+}
+
 scree_status scree_check_depth(struct scree_scene *scene, double time) {
     const struct scree_contacts *contacts = &scene->contacts;
     if (contacts->deepest <= 1.0) return SCREE_OK;
@@ -75,6 +91,8 @@ static void book_drives(scree_scene *scene, double time) {
     double before[3], after[3];
     scree_gravity_at(scene, time, before);
     scree_gravity_at(scene, time + scene->step, after);
+    for (int axis = 0; axis < 3 && scene->gravity.tilts; axis++)
+        scene->driven -= scene->carried[axis] * (after[axis] - before[axis]);
     for (int k = 0; k < bodies->count; k++) {
         const struct scree_record *record = &bodies->record[k];
         const scree_joint *joint = &bodies->joint[k];
@@ -135,7 +153,8 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
 }
 
 static scree_status step_once(scree_scene *scene, int more) {
-    scree_status status = keep_order(scene);
+    scree_status status = put_back(scene);
+    if (!status) status = keep_order(scene);
     if (status) return status;
     if (scene->time.integrator == SCREE_ADAPTIVE) return scree_adaptive_step(scene);
     if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);

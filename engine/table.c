@@ -8,7 +8,8 @@
 /* What the functions below share while one table is read. */
 struct reader {
     const char *file, *rising;
-    char *rest; /* of the text */
+    const char *const *words; /* columns that aren't numbers; NULL: none */
+    char *rest;               /* of the text */
     int line;
     const char *line_start;
     struct scree_table *table;
@@ -42,19 +43,32 @@ static int is_comment(const char *line) {
     return *line == '#' || *line == '\0';
 }
 
+/* Take the quotes off a cell that is quoted as a whole, in place (RFC 4180); where it ends, NULL if it isn't quoted so. */
+static char *unquote(char *cell) {
+    char *to = cell, *from = cell + 1;
+    if (*cell != '"') return NULL;
+    for (; *from && !(from[0] == '"' && from[1] != '"'); from++) {
+        if (*from == '"') from++;
+        *to++ = *from;
+    }
+    if (!*from) return NULL;
+    char *end = from + 1 + strspn(from + 1, " \t");
+    if (*end && *end != ',') return NULL;
+    *to = '\0';
+    return end;
+}
+
 /* Cut off the next cell of a line, without the blanks and the quotes around it; NULL behind the last. */
 static char *next_cell(char **line) {
     char *cell = *line;
     if (!cell) return NULL;
-    char *end = cell + strcspn(cell, ",");
-    *line = *end ? end + 1 : NULL;
-    *end = '\0';
     cell += strspn(cell, " \t");
-    end = cell + strlen(cell);
+    char *quoted = unquote(cell), *end = quoted ? quoted : cell + strcspn(cell, ",");
+    *line = *end ? end + 1 : NULL;
+    if (quoted) return cell;
+    *end = '\0';
     while (end > cell && (end[-1] == ' ' || end[-1] == '\t')) *--end = '\0';
-    if (end - cell < 2 || *cell != '"' || end[-1] != '"') return cell;
-    end[-1] = '\0';
-    return cell + 1;
+    return cell;
 }
 
 /* A column is called `word` if that is its name, or its name up to the unit. */
@@ -96,6 +110,10 @@ static scree_status parse_row(struct reader *r, char *line) {
         if (k == table->columns)
             return complain(r, cell, "wrong number of columns: expected %d (%s …)", table->columns, table->name[0]);
         double *column = table->column[k];
+        if (!column) {
+            table->word[k][table->rows] = cell;
+            continue;
+        }
         if (!parse_number(cell, &column[table->rows]))
             return complain(r, cell, "\"%s\" is no number; expected a finite decimal one for %s", cell, table->name[k]);
         if (r->rising && table->rows > 0 && is_called(table->name[k], r->rising) &&
@@ -106,6 +124,7 @@ static scree_status parse_row(struct reader *r, char *line) {
     if (k < table->columns)
         return complain(r, r->line_start, "wrong number of columns: %d, expected %d (%s …)", k, table->columns,
                         table->name[0]);
+    if (table->line) table->line[table->rows] = r->line;
     table->rows++;
     return SCREE_OK;
 }
@@ -129,6 +148,26 @@ static scree_status check_no_nul(struct reader *r, size_t size) {
     return complain(r, end, "this is no text: a byte 0");
 }
 
+static int is_word(const struct reader *r, const char *name) {
+    for (const char *const *word = r->words; word && *word; word++)
+        if (strcmp(*word, name) == 0) return 1;
+    return 0;
+}
+
+/* Room for so many rows. */
+static scree_status make_columns(struct reader *r, size_t rows) {
+    struct scree_table *table = r->table;
+    int ok = 1;
+    if (r->words) ok = (table->line = malloc(rows * sizeof *table->line)) != NULL;
+    for (int k = 0; k < table->columns; k++) {
+        if (is_word(r, table->name[k]))
+            ok = ok && (table->word[k] = malloc(rows * sizeof *table->word[k])) != NULL;
+        else
+            ok = ok && (table->column[k] = malloc(rows * sizeof *table->column[k])) != NULL;
+    }
+    return ok ? SCREE_OK : scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
+}
+
 static scree_status parse_lines(struct reader *r) {
     struct scree_table *table = r->table;
     size_t most = count_lines(r->rest);
@@ -140,33 +179,43 @@ static scree_status parse_lines(struct reader *r) {
             continue;
         }
         status = parse_header(r, line);
-        for (int k = 0; !status && k < table->columns; k++) {
-            table->column[k] = malloc(most * sizeof(double));
-            if (!table->column[k]) status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a table");
-        }
+        if (!status) status = make_columns(r, most);
     }
     if (!status && table->columns == 0)
         status = scree_report(r->trouble, SCREE_BAD_INPUT, NULL, "%s: this table is empty", r->file);
     return status;
 }
 
+static scree_status parse(struct reader *r, size_t size) {
+    const char *text = r->rest;
+    *r->table = (struct scree_table){0};
+    scree_status status = check_no_nul(r, size);
+    r->line = 0;
+    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) r->rest += 3;
+    if (!status) status = parse_lines(r);
+    if (status) scree_table_free(r->table);
+    return status;
+}
+
 scree_status scree_table_parse(char *text, size_t size, const char *file, const char *rising, struct scree_table *table,
                                scree_trouble *trouble) {
     struct reader r = {.file = file, .rising = rising, .rest = text, .table = table, .trouble = trouble};
-    *table = (struct scree_table){0};
-    scree_status status = check_no_nul(&r, size);
-    r.line = 0;
-    if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) r.rest += 3;
-    if (!status) status = parse_lines(&r);
-    if (status) scree_table_free(table);
-    return status;
+    return parse(&r, size);
+}
+
+scree_status scree_table_parse_words(char *text, size_t size, const char *file, const char *const *words,
+                                     struct scree_table *table, scree_trouble *trouble) {
+    struct reader r = {.file = file, .words = words, .rest = text, .table = table, .trouble = trouble};
+    return parse(&r, size);
 }
 
 void scree_table_free(struct scree_table *table) {
     for (int k = 0; k < SCREE_TABLE_COLUMNS; k++) {
         free(table->name[k]);
         free(table->column[k]);
+        free(table->word[k]);
     }
+    free(table->line);
     *table = (struct scree_table){0};
 }
 

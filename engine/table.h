@@ -16,13 +16,19 @@ struct scree_table {
     int header;                          /* line of the header */
     int at[SCREE_TABLE_COLUMNS];         /* where each name begins on it, from 1 */
     char *name[SCREE_TABLE_COLUMNS];     /* as in the header, without blanks and quotes */
-    double *column[SCREE_TABLE_COLUMNS]; /* rows entries */
+    double *column[SCREE_TABLE_COLUMNS]; /* rows entries; NULL for words */
+    char **word[SCREE_TABLE_COLUMNS];    /* rows entries, which point into the text; NULL for numbers */
+    int *line;                           /* of each row; NULL unless there may be words */
 };
 
 /* Parse `size` bytes of `text` (followed by a NUL; changed). `rising` names a column whose numbers must increase, NULL: none.
  * SCREE_BAD_INPUT names file, line and column of a bad cell. */
 scree_status scree_table_parse(char *text, size_t size, const char *file, const char *rising, struct scree_table *table,
                                scree_trouble *trouble);
+
+/* The same with columns of words, called as in the NULL-terminated list `words`. The text must outlive the table. */
+scree_status scree_table_parse_words(char *text, size_t size, const char *file, const char *const *words,
+                                     struct scree_table *table, scree_trouble *trouble);
 void scree_table_free(struct scree_table *table);
 
 /* Column whose name is `name` or begins with `name` and an underscore (a unit follows); NULL if there is none. */

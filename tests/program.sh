@@ -73,6 +73,53 @@ position = [0, 0, 0.0112]
 velocity = [0, 0, -1]
 END
 }
+# Spheres from a generator; where they are at the end begins another scene, in every bit.
+spheres() { # spheres TABLE
+    cat <<END
+[time]
+end = 1e-3
+step = 1e-4
+[output]
+write = ["bodies.csv", "spheres.csv"]
+[[material]]
+name = "glass, clear"
+density = 2500
+[[contact]]
+between = ["glass, clear", "glass, clear"]
+normal = { law = "linear", stiffness = 10, restitution = 0.6 }
+$1
+END
+}
+spheres '[[generate]]
+name = "a grain"
+kind = "random"
+material = "glass, clear"
+radius = [1e-3, 2e-3]
+min = [0, 0, 0]
+max = [0.02, 0.02, 0.02]
+count = 40
+velocity = [0.1, 0, 0]' >"$work/grains.toml"
+check 'generated spheres' 0 'written to' "$scree" run "$work/grains.toml" -o "$work/grains"
+spheres '[[spheres]]
+file = "grains/spheres.csv"' >"$work/again.toml"
+check 'spheres read again' 0 'written to' "$scree" run "$work/again.toml" -o "$work/again"
+tail -n +2 "$work/grains/spheres.csv" | sed 's/,"glass, clear"$//' | cut -d, -f1-4,6-8 >"$work/end"
+sed -n '2,41p' "$work/again/bodies.csv" | cut -d, -f2-5,10-12 >"$work/start"
+expect 'the same 40 spheres' test "$(wc -l <"$work/end")" = 40
+expect 'in every bit' cmp "$work/end" "$work/start"
+
+# The scenes of many spheres; in a periodic one gravity points along the chute, and books close all the same.
+check 'bed' 0 'written to' "$scree" run "$scenes/bed.toml" -o "$work/bed" --set time.end=0.002 --set output.every=0.001
+expect 'bed: spheres' test "$(wc -l <"$work/bed/spheres.csv")" = 501
+check 'plan of a chute' 0 'periodic along x, every 0.012 m, y, every 0.006 m' "$scree" check "$scenes/chute.toml"
+check 'chute' 0 'written to' "$scree" run "$scenes/chute.toml" -o "$work/chute" --set time.end=0.01
+expect 'chute: frames' test -s "$work/chute/frames/spheres_000002.vtp"
+check 'the second half of a chute' 0 'state hash' "$scree" run "$scenes/chute.toml" -o "$work/chute-long" --set time.end=0.02 --resume "$work/chute/final.state"
+second=$(printf '%s\n' "$printed" | sed -n 's/^state hash: //p')
+check 'both halves at once' 0 "state hash: $second" "$scree" run "$scenes/chute.toml" -o "$work/chute-whole" --set time.end=0.02 --threads 2
+check 'another period' 2 'what differs: bodies or their joints, start positions or velocities, periodic domain' "$scree" run "$scenes/chute.toml" \
+    -o "$work/chute-long" --set domain.max=[0.013,0.006,0.03] --set generate.base.max=[0.013,0.006,0.0005] --set time.end=0.02 --resume "$work/chute/final.state"
+
 coarse 1e-3
 check 'coarse step: books' 0 'the energy books lack' "$scree" run "$work/coarse.toml" -o "$work/coarse"
 check 'coarse step' 0 'more than a tenth of the shortest contact' "$scree" run "$work/coarse.toml" -o "$work/coarse"

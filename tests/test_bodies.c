@@ -275,12 +275,14 @@ static void test_table_motions(void) {
 
 static const double no_gravity[3] = {0.0, 0.0, 0.0};
 
+static scree_body_def pick(const void *defs, int index) { return ((const scree_body_def *)defs)[index]; }
+
 static struct scree_bodies make_one(const scree_body_def *def, double density) {
     struct scree_bodies bodies;
     scree_trouble trouble;
     CHECK(scree_bodies_create(&bodies, 1, NULL, 0, &trouble) == SCREE_OK);
     scree_bodies_set(&bodies, 0, def, density);
-    CHECK(scree_bodies_finish(&bodies, def, &trouble) == SCREE_OK);
+    CHECK(scree_bodies_finish(&bodies, pick, def, &trouble) == SCREE_OK);
     scree_bodies_start(&bodies, 0.0);
     return bodies;
 }
@@ -385,7 +387,7 @@ static void test_joints(void) {
     CHECK(scree_motion_bake(&turn, &motions[1], &trouble) == SCREE_OK);
     CHECK(scree_bodies_create(&bodies, 1, motions, 2, &trouble) == SCREE_OK);
     scree_bodies_set(&bodies, 0, &driven, 0.0);
-    CHECK(scree_bodies_finish(&bodies, &driven, &trouble) == SCREE_OK);
+    CHECK(scree_bodies_finish(&bodies, pick, &driven, &trouble) == SCREE_OK);
     scree_bodies_start(&bodies, 0.0);
     step_alone(&bodies, 500, 1e-3, gravity);
     NEAR(bodies.state[0].x[0], 5.25, 1e-14);

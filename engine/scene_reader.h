@@ -1,0 +1,34 @@
+/* What the readers of a scene file's tables share (scene_file.c, scene_spheres.c). */
+#ifndef SCREE_ENGINE_SCENE_READER_H
+#define SCREE_ENGINE_SCENE_READER_H
+
+#include "engine/reader.h"
+#include "engine/scene_file.h"
+
+/* What a scene file is read into (scree_reader.into). */
+struct scree_scene_target {
+    scree_scene *scene;
+    struct scree_run_request *request;
+    int threads;
+    double end, every;
+};
+
+/* Pass on what the library said of a definition that came from `table`. */
+void scree_pass_on(struct scree_reader *r, scree_status status, const struct scree_toml *table);
+
+typedef int scree_finder(const scree_scene *scene, const char *name);
+
+/* The index of the thing that a string names, or 0 with a complaint that gives the nearest of its kind ([[what]]). */
+int scree_find_named(struct scree_reader *r, const struct scree_toml *node, const char *what, scree_finder *find);
+
+/* joint = "free", "fixed", or { x = …, y = …, z = …, turn = …, others = "fixed" } */
+void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scree_joint *joint);
+
+/* [domain]: where bodies start, and the axes along which all repeats. */
+void scree_read_domain(struct scree_reader *r);
+
+/* [[spheres]] and [[generate]]: many spheres at once. */
+void scree_read_spheres(struct scree_reader *r, const struct scree_toml *table);
+void scree_read_generate(struct scree_reader *r, const struct scree_toml *table);
+
+#endif

@@ -1,0 +1,231 @@
+/* Scenes of many balls: their order in memory, near lists and slabs change nothing but the time. */
+#include "tests/scenes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- allocations, counted ---- */
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__real_aligned_alloc(size_t alignment, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
+
+static long allocations;
+
+void *__wrap_malloc(size_t size) {
+    allocations++;
+    return __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size) {
+    allocations++;
+    return __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size) {
+    allocations++;
+    return __real_realloc(memory, size);
+}
+
+void *__wrap_aligned_alloc(size_t alignment, size_t size) {
+    allocations++;
+    return __real_aligned_alloc(alignment, size);
+}
+
+/* ---- scenes ---- */
+
+enum { COUNT = 1500 };
+
+/* Balls of two sizes that fly about in a closed box and rub, a frozen one now and then, some boxes, one ball as large as a hundred, and
+ * a wall that shakes. */
+static char *gas_text(double speed) {
+    char *text = malloc(COUNT * 300 + 8192);
+    int used = sprintf(text, "%s",
+                       "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 2e-5\n"
+                       "[[material]]\nname = \"ball\"\ndensity = 2000\nyoung = 1e7\npoisson = 0.25\n"
+                       "[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
+                       "normal = { law = \"linear\", stiffness = 2e4, restitution = 0.9 }\n"
+                       "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 1e4 }\n"
+                       "rolling = { law = \"spring-dashpot\", rolling = 0.02, stiffness = 1e3 }\n"
+                       "[[material]]\nname = \"block\"\ndensity = 2000\n"
+                       "[[contact]]\nbetween = [\"ball\", \"block\"]\n"
+                       "normal = { law = \"linear\", stiffness = 2e4, restitution = 0.9 }\n"
+                       "[[contact]]\nbetween = [\"block\", \"block\"]\n"
+                       "normal = { law = \"linear\", stiffness = 2e4, restitution = 0.9 }\n"
+                       "[[motion]]\nname = \"shake\"\nkind = \"sine\"\namplitude = 2e-3\nfrequency = 30\n"
+                       "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"ball\"\njoint = { z = "
+                       "\"shake\", others = \"fixed\" }\n");
+    static const double from[5][2] = {{0.7071067811865476, 0.7071067811865476},
+                                      {0.7071067811865476, -0.7071067811865476},
+                                      {0.7071067811865476, -0.7071067811865476},
+                                      {0.7071067811865476, 0.7071067811865476},
+                                      {0.0, 1.0}};
+    static const double at[5][3] = {
+        {0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.18, 0.0}, {0.0, 0.0, 0.2}};
+    for (int w = 0; w < 5; w++) {
+        int about_y = w < 2;
+        used += sprintf(
+            text + used,
+            "[[body]]\nname = \"wall %d\"\nshape = { plane = true }\nmaterial = \"ball\"\njoint = \"fixed\"\n"
+            "position = [%g, %g, %g]\norientation = [%.17g, %.17g, %.17g, 0.0]\n",
+            w, at[w][0], at[w][1], at[w][2], from[w][0], about_y ? 0.0 : from[w][1], about_y ? from[w][1] : 0.0);
+    }
+    uint64_t seed = 11;
+    for (int k = 0; k < COUNT; k++) {
+        int x = k % 31, y = k / 31 % 13, z = k / (31 * 13);
+        const char *shape = k % 90 == 7 ? "box = [0.006, 0.007, 0.008], rounding = 0.001"
+                            : k % 3     ? "sphere = 0.005"
+                                        : "sphere = 0.004";
+        used += sprintf(text + used, "[[body]]\nname = \"b%d\"\nmaterial = \"%s\"\nshape = { %s }\n", k,
+                        k % 90 == 7 ? "block" : "ball", k == 0 ? "sphere = 0.024" : shape);
+        double place[3] = {0.02 + 0.012 * x, 0.02 + 0.012 * y, 0.02 + 0.012 * z};
+        if (k == 0) place[0] = 0.2, place[1] = 0.09, place[2] = 0.15;
+        used += sprintf(text + used, "position = [%.17g, %.17g, %.17g]\n", place[0] + check_between(&seed, -1e-4, 1e-4),
+                        place[1] + check_between(&seed, -1e-4, 1e-4), place[2]);
+        if (k % 200 == 5)
+            used += sprintf(text + used, "joint = \"fixed\"\n");
+        else
+            used += sprintf(text + used, "velocity = [%.17g, %.17g, %.17g]\n", check_between(&seed, -speed, speed),
+                            check_between(&seed, -speed, speed), check_between(&seed, -speed, speed));
+    }
+    return text;
+}
+
+/* Touching pairs of spheres, by looking at all of them. */
+static int touching_spheres(const scree_scene *scene) {
+    int count = 0;
+    for (int i = 0; i < scree_scene_bodies(scene); i++)
+        for (int j = i + 1; j < scree_scene_bodies(scene); j++) {
+            scree_shape a = scree_scene_body_shape(scene, i), b = scree_scene_body_shape(scene, j);
+            if (a.kind != SCREE_SPHERE || b.kind != SCREE_SPHERE) continue;
+            if (!scree_scene_body_moves(scene, i) && !scree_scene_body_moves(scene, j)) continue;
+            const scree_body_state p = scree_scene_body(scene, i), q = scree_scene_body(scene, j);
+            double far = vec_norm(vec_sub(vec_from(p.position), vec_from(q.position)));
+            count += far < a.radius + b.radius;
+        }
+    return count;
+}
+
+static int listed_spheres(scree_scene *scene) {
+    static scree_contact_state contacts[20000];
+    int count = 0, spheres = 0;
+    CHECK(scree_scene_contacts(scene, contacts, 20000, &count) == SCREE_OK && count < 20000);
+    for (int k = 0; k < count; k++)
+        spheres += scree_scene_body_shape(scene, contacts[k].ball).kind == SCREE_SPHERE &&
+                   scree_scene_body_shape(scene, contacts[k].host).kind == SCREE_SPHERE;
+    return spheres;
+}
+
+/* ---- tests ---- */
+
+/* How often the order changes in a run, looked at after every 512 steps; and no contact is missed. */
+static void test_reordering(void) {
+    char *text = gas_text(1.5);
+    scree_scene *scene = scene_from(text, NULL, 0, 1);
+    int *before = malloc((size_t)scree_scene_bodies(scene) * sizeof *before), changes = 0, most = 0;
+    CHECK(scene->bodies.order.slabs > 4 && scene->bodies.order.members > 6);
+    for (int k = 0; k < 6; k++) {
+        size_t size = (size_t)scree_scene_bodies(scene) * sizeof *before;
+        memcpy(before, scene->bodies.number, size);
+        go(scene, 513);
+        changes += memcmp(before, scene->bodies.number, size) != 0;
+        int touching = touching_spheres(scene);
+        CHECK(listed_spheres(scene) == touching);
+        most = touching > most ? touching : most;
+    }
+    CHECK(changes >= 2 && most > 40);
+    for (int number = 0; number < scree_scene_bodies(scene); number++)
+        CHECK(scene->bodies.number[scene->bodies.place[number]] == number);
+    free(before);
+    scree_scene_destroy(scene);
+    free(text);
+}
+
+enum { STEPS = 1100, MIDDLE = 530 }; /* the order is looked at after 512 and 1024 */
+
+static uint64_t hash_after(const char *text, const char *const *changes, int count, int threads, long at_once) {
+    scree_scene *scene = scene_from(text, changes, count, threads);
+    for (long k = 0; k < STEPS; k += at_once) go(scene, at_once < STEPS - k ? at_once : STEPS - k);
+    uint64_t hash = scree_scene_hash(scene);
+    scree_scene_destroy(scene);
+    return hash;
+}
+
+/* Saved between two orderings, restored, and taken on. */
+static uint64_t hash_restored(const char *text, const char *const *changes, int count) {
+    scree_scene *scene = scene_from(text, changes, count, 1), *other = scene_from(text, changes, count, 2);
+    FILE *file = tmpfile();
+    go(scene, MIDDLE);
+    CHECK(scree_scene_save(scene, file, "memory") == SCREE_OK);
+    rewind(file);
+    CHECK(scree_scene_restore(other, file, "memory") == SCREE_OK);
+    CHECK(scree_scene_hash(other) == scree_scene_hash(scene));
+    go(other, STEPS - MIDDLE);
+    uint64_t hash = scree_scene_hash(other);
+    fclose(file);
+    scree_scene_destroy(scene);
+    scree_scene_destroy(other);
+    return hash;
+}
+
+/* The same bits whatever works it out: threads, processor, steps at a time, the width of lists, a pause, measurements. */
+static void test_same_bits(const char *const *changes, int count) {
+    static const int threads[] = {2, 3, 16};
+    static const char *const isa[] = {"baseline", "avx2", "avx512"};
+    char *text = gas_text(1.5);
+    uint64_t hash = hash_after(text, changes, count, 1, STEPS);
+    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++)
+        CHECK(hash_after(text, changes, count, threads[k], STEPS) == hash);
+    for (size_t k = 0; k < sizeof isa / sizeof *isa; k++) {
+        setenv("SCREE_ISA", isa[k], 1);
+        CHECK(hash_after(text, changes, count, 1, STEPS) == hash);
+    }
+    unsetenv("SCREE_ISA");
+    CHECK(hash_after(text, changes, count, 1, 7) == hash);
+    CHECK(hash_restored(text, changes, count) == hash);
+    const char *measured[4] = {"output={write=[\"energy.csv\"]}"};
+    for (int k = 0; k < count; k++) measured[1 + k] = changes[k];
+    CHECK(hash_after(text, measured, 1 + count, 3, STEPS) == hash);
+    scree_scene *scene = scene_from(text, changes, count, 1);
+    scene->contacts.skin *= 0.5;
+    CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, NULL) == SCREE_OK);
+    go(scene, STEPS);
+    CHECK(scree_scene_hash(scene) == hash);
+    scree_scene_destroy(scene);
+    free(text);
+}
+
+/* Once lists have grown, a step allocates nothing: neither lists, nor near lists, nor another order. In a gas a list grows now and
+ * then all the same; most stretches of 500 steps, with some dozens of outer lists and an ordering each, know nothing of it. */
+static void test_allocations(void) {
+    char *text = gas_text(1.0);
+    scree_scene *scene = scene_from(text, NULL, 0, 1);
+    go(scene, 2100);
+    int calm = 0;
+    for (int k = 0; k < 4; k++) {
+        long before = allocations, lists = scene->contacts.rebuilds;
+        go(scene, 500);
+        calm += allocations == before;
+        CHECK(scene->contacts.rebuilds > lists + 20);
+    }
+    CHECK(calm >= 2);
+    scree_scene_destroy(scene);
+    free(text);
+}
+
+int main(void) {
+    static const char *const pair_impulse[] = {"time.integrator=\"pair-impulse\"",
+                                               "contact.0={between=[\"ball\", \"ball\"], normal={law=\"linear\", "
+                                               "stiffness=2e4, restitution=0.9}, friction={law=\"coulomb\", "
+                                               "static=0.5, kinetic=0.4, stiffness=1e4}}"};
+    test_reordering();
+    test_same_bits(NULL, 0);
+    test_same_bits(pair_impulse, 2);
+    test_allocations();
+    return check_report();
+}

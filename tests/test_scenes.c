@@ -1,0 +1,559 @@
+/* engine/: many spheres at once, from tables and generators. */
+#include "engine/hash.h"
+#include "tests/scenes.h"
+
+#include <unistd.h>
+
+/* Head of a scene of glass spheres; what follows is added by each test. */
+#define HEAD                                                                                                           \
+    "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\n[[material]]\nname = \"glass\"\ndensity = 2500\n"                     \
+    "[[contact]]\nbetween = [\"glass\", \"glass\"]\nnormal = { law = \"linear\", stiffness = 100, restitution = 0.6 "  \
+    "}\n"                                                                                                              \
+    "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 80, damping = 0.01 }\n"
+#define LATTICE                                                                                                        \
+    "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nmaterial = \"glass\"\nradius = 0.001\nmin = [0, 0, 0]\n"      \
+    "max = [0.01, 0.01, 0.03]\n"
+#define RANDOM                                                                                                         \
+    "[[generate]]\nname = \"grain\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = [0.0002, 0.002]\n"              \
+    "min = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\ncount = 2000\nseed = 3\n"
+
+static scree_status read_text(const char *text, scree_scene **scene, scree_trouble *trouble) {
+    struct scree_run_request request;
+    scree_status status = scree_read_scene(text, strlen(text), "test.toml", NULL, 0, 1, scene, &request, trouble);
+    scree_free_request(&request);
+    return status;
+}
+
+static void test_lattice(void) {
+    scree_scene *scene = scene_from(HEAD LATTICE "spacing = 0.0024\njitter = 1e-4\n", NULL, 0, 1);
+    CHECK(scree_scene_bodies(scene) == 4 * 4 * 12);
+    CHECK(scree_scene_find_body(scene, "grain 1") == 0 && scree_scene_find_body(scene, "grain 192") == 191);
+    CHECK(scree_scene_find_body(scene, "grain 193") == -1);
+    double drift = 0.0;
+    for (int k = 0; k < 192; k++) {
+        scree_body_state state = scree_scene_body(scene, k);
+        int cell[3] = {k % 4, k / 4 % 4, k / 16};
+        for (int axis = 0; axis < 3; axis++) {
+            double off = fabs(state.position[axis] - 0.0024 * (cell[axis] + 0.5));
+            CHECK(off <= 1e-4 * (1.0 + 1e-12));
+            drift += off / (3 * 192);
+        }
+    }
+    /* The mean of |uniform(-j, j)| is j/2, with a deviation of j/sqrt(12)/sqrt(576): 4 of them. */
+    NEAR(drift, 0.5e-4, 4.0 * 1e-4 / sqrt(12.0 * 576.0));
+    scree_scene_destroy(scene);
+
+    scene = scene_from(HEAD LATTICE "count = 7\nvelocity = [0, 0, -1]\n", NULL, 0, 1);
+    CHECK(scree_scene_bodies(scene) == 7);
+    NEAR(state_of(scene, "grain 7").position[1], 0.003, 1e-18); /* spacing: a diameter; 5 a row, the second row */
+    NEAR(state_of(scene, "grain 7").position[0], 0.003, 1e-18);
+    CHECK(state_of(scene, "grain 7").velocity[2] == -1.0);
+    scree_scene_destroy(scene);
+}
+
+/* The least gap between two spheres in parts of the smaller radius, and whether all are inside the box. */
+static double least_gap(const scree_scene *scene, double low, double high) {
+    double least = HUGE_VAL;
+    for (int i = 0; i < scree_scene_bodies(scene); i++) {
+        double r = scree_scene_body_shape(scene, i).radius;
+        scree_body_state a = scree_scene_body(scene, i);
+        for (int axis = 0; axis < 3; axis++)
+            CHECK(a.position[axis] - r >= low - 1e-15 && a.position[axis] + r <= high + 1e-15);
+        for (int j = 0; j < i; j++) {
+            scree_body_state b = scree_scene_body(scene, j);
+            double s = scree_scene_body_shape(scene, j).radius;
+            double gap = vec_norm(vec_sub(vec_from(a.position), vec_from(b.position))) - r - s;
+            least = fmin(least, gap / fmin(r, s));
+        }
+    }
+    return least;
+}
+
+/* What a generator makes, in every bit. */
+static uint64_t hash_of(const char *text) {
+    scree_scene *scene = scene_from(text, NULL, 0, 1);
+    uint64_t hash = scree_scene_hash(scene);
+    scree_scene_destroy(scene);
+    return hash;
+}
+
+static void test_random(void) {
+    scree_scene *scene = scene_from(HEAD RANDOM, NULL, 0, 1);
+    CHECK(scree_scene_bodies(scene) == 2000);
+    CHECK(least_gap(scene, 0.0, 0.05) >= -1e-12); /* rounding of places in parts of the least radius */
+    double smallest = HUGE_VAL, largest = 0.0, mean = 0.0;
+    for (int k = 0; k < 2000; k++) {
+        double r = scree_scene_body_shape(scene, k).radius;
+        smallest = fmin(smallest, r);
+        largest = fmax(largest, r);
+        mean += r / 2000;
+    }
+    CHECK(smallest >= 0.0002 && smallest < 0.00021 && largest <= 0.002 && largest > 0.00198);
+    NEAR(mean, 0.0011, 4.0 * 0.0018 / sqrt(12.0 * 2000.0)); /* 4 deviations of a mean of 2000 */
+    scree_scene_destroy(scene);
+
+    /* By mass: of the volume, the lower half of the radii has as much as the upper one. The number of large ones is 1 in 100,
+     * their share of the volume scatters by some 5 %. */
+    scene = scene_from(HEAD RANDOM "distribution = \"mass\"\n", NULL, 0, 1);
+    double half[2] = {0.0, 0.0};
+    for (int k = 0; k < 2000; k++) {
+        double r = scree_scene_body_shape(scene, k).radius;
+        half[r > 0.0011] += r * r * r;
+    }
+    NEAR(half[0] / (half[0] + half[1]), 0.5, 0.2);
+    scree_scene_destroy(scene);
+
+    CHECK(hash_of(HEAD RANDOM) == hash_of(HEAD RANDOM));
+    static const char *const other[] = {"generate.0.seed=4"};
+    scene = scene_from(HEAD RANDOM, other, 1, 1);
+    CHECK(scree_scene_hash(scene) != hash_of(HEAD RANDOM));
+    scree_scene_destroy(scene);
+    /* The same places on every machine. */
+    scene = scene_from(HEAD RANDOM, NULL, 0, 1);
+    uint64_t hash = scree_hash_start;
+    for (int k = 0; k < 2000; k++) {
+        scree_body_state state = scree_scene_body(scene, k);
+        hash = scree_hash_on(hash, state.position, sizeof state.position);
+    }
+    CHECK(hash == 0x2cff12b8fc50306cu);
+    scree_scene_destroy(scene);
+}
+
+/* A hundred to one in one box: finds room, and no two overlap. */
+static void test_wide_ratio(void) {
+    scree_scene *scene = scene_from(HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\n"
+                                         "radius = [0.0001, 0.01]\ndistribution = \"mass\"\nmin = [0, 0, 0]\n"
+                                         "max = [0.05, 0.05, 0.05]\ncount = 3000\nseed = 1\n",
+                                    NULL, 0, 1);
+    CHECK(least_gap(scene, 0.0, 0.05) >= -1e-12);
+    scree_scene_destroy(scene);
+}
+
+/* ---- tables ---- */
+
+static char table_path[64], scene_path[64];
+
+static void write_file(const char *path, const char *text) {
+    FILE *file = fopen(path, "w");
+    CHECK(file && fputs(text, file) >= 0);
+    if (file) fclose(file);
+}
+
+/* Read a scene with the table `table` and these lines of [[spheres]]. */
+static scree_status read_table(const char *table, const char *lines, scree_scene **scene, scree_trouble *trouble) {
+    char text[2048];
+    struct scree_run_request request;
+    snprintf(text, sizeof text, "%s[[spheres]]\nfile = \"%s\"\n%s", HEAD, strrchr(table_path, '/') + 1, lines);
+    write_file(table_path, table);
+    write_file(scene_path, text);
+    scree_status status = scree_load_scene(scene_path, NULL, 0, 1, scene, &request, trouble);
+    scree_free_request(&request);
+    return status;
+}
+
+static void test_table(void) {
+    scree_scene *scene;
+    scree_trouble trouble = {0};
+    const char *all = "# spheres\nname,x_m,y_m,z_m,radius_m,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s,material\n"
+                      "one, 0,0,0.5,0.1, 1,2,3, 4,5,6, glass\n\n"
+                      "\"two, \"\"2\"\"\",1,0,0.5,0.2,0,0,0,0,0,0,\"glass\"\n";
+    CHECK(read_table(all, "", &scene, &trouble) == SCREE_OK);
+    if (trouble.text[0]) printf("%s\n", trouble.text);
+    scree_body_state one = state_of(scene, "one"), two = state_of(scene, "two, \"2\"");
+    CHECK(one.position[2] == 0.5 && one.velocity[1] == 2.0 && two.position[0] == 1.0);
+    NEAR(one.spin[2], 6.0, 6.0 * 4e-16); /* through the angular momentum and back */
+    CHECK(scree_scene_body_shape(scene, 1).radius == 0.2);
+    CHECK(strcmp(scree_scene_body_material(scene, 1), "glass") == 0);
+    scree_scene_destroy(scene);
+
+    CHECK(read_table("x,y,z\n0,0,0\n1,0,0\n", "radius = 0.1\nmaterial = \"glass\"\njoint = \"fixed\"\nname = \"s\"\n",
+                     &scene, &trouble) == SCREE_OK);
+    CHECK(scree_scene_find_body(scene, "s 2") == 1 && !scree_scene_body_moves(scene, 1));
+    scree_scene_destroy(scene);
+}
+
+static void test_bad_tables(void) {
+    static const char more[] = "radius = 0.1\nmaterial = \"glass\"\n";
+    static const struct {
+        const char *table, *lines, *message;
+    } cases[] = {
+        {"x,y,z\n0,0,0\n1,0,zero\n", more, ".csv:3:5: \"zero\" is no number"},
+        {"x,y,z\n0,0,0\n\n1,0\n", more, ".csv:4:1: wrong number of columns"},
+        {"x,y\n0,0\n", more, ".csv:1:1: the table needs the column z_m"},
+        {"x,y,z,rdius\n0,0,0,1\n", more, ".csv:1:7: there is no column \"rdius\""},
+        {"x,y,z,rdius\n0,0,0,1\n", more, "did you mean \"radius\"?"},
+        {"x,y,z,x_m\n0,0,0,1\n", more, ".csv:1:7: two columns for x_m"},
+        {"x,y,z,vx\n0,0,0,1\n", more, "of vx_m_s, vy_m_s, vz_m_s the table needs all or none"},
+        {"x,y,z\n", more, "this table has no rows"},
+        {"", more, "this table is empty"},
+        {"x,y,z,radius\n0,0,0,1\n", more, "has a column radius_m already"},
+        {"x,y,z\n0,0,0\n", "material = \"glass\"\n", "need radius = …"},
+        {"x,y,z\n0,0,0\n", "radius = 1\n", "need material = …"},
+        {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,1,glas\n", "", ".csv:3:1: there is no material called \"glas\""},
+        {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,-1,glass\n", "", ".csv:3:1: body \"sphere 2\": "},
+        {"name,x,y,z\na,0,0,0\n# more\na,1,0,0\n", more, ".csv:4:1: there are two of the body \"a\""},
+        {"name,x,y,z\na,0,0,0\n", "radius = 0.1\nmaterial = \"glass\"\nname = \"b\"\n", "column of names already"},
+        {"x,y,z\n0,0,0\n0.05,0,0\n", more, "\"sphere 1\" and \"sphere 2\" overlap by 0.15 m at the start"},
+        {"x,y,z\n0,0,0\n", "radus = 0.1\n", "unknown key \"radus\" in [[spheres]]; did you mean \"radius\"?"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        scree_scene *scene;
+        scree_trouble trouble = {0};
+        CHECK(read_table(cases[k].table, cases[k].lines, &scene, &trouble) == SCREE_BAD_INPUT);
+        CONTAINS(trouble.text, cases[k].message);
+    }
+}
+
+static void test_bad_generators(void) {
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {HEAD LATTICE "spacing = 0.0019\n", "points of \"grain\" come as close as 0.0019 m"},
+        {HEAD LATTICE "spacing = 0.0021\njitter = 1e-4\n", "they would overlap"},
+        {HEAD LATTICE "count = 376\n", "has 375 points 0.002 m apart, too few for 376"},
+        {HEAD LATTICE "count = 0.5\n", "count must be a whole number"},
+        {HEAD LATTICE "distribution = \"mass\"\n", "a distribution needs two radii"},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"pour\"\nmaterial = \"glass\"\n", "one of \"lattice\", \"random\""},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"glass\"\nradius = 1\n",
+         "corners of its box"},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"glass\"\nradius = 1\nmin = [0, 0, 0]\n"
+              "max = [2, 1, 2]\n",
+         "is 1 m wide along y: a sphere of radius 1 m doesn't fit"},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"glass\"\nradius = 1e-6\nmin = [0, 0, 0]\n"
+              "max = [2, 1, 2]\n",
+         "a scene has at most"},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 1e-6\nmin = [0, 0, 0]\n"
+              "max = [2, 1, 2]\ncount = 2000000000\n",
+         "this machine has"},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
+              "max = [1, 1, 1]\ncount = 150\n",
+         "of 150 spheres found room, which fill 0."},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
+              "max = [1, 1, 1]\n",
+         "needs the count of its spheres"},
+        {HEAD RANDOM "jitter = 0.1\n", "only a lattice has jitter"},
+        {HEAD LATTICE LATTICE, "there are two of the body \"grain 1\""},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        scree_scene *scene;
+        scree_trouble trouble = {0};
+        CHECK(read_text(cases[k].text, &scene, &trouble) != SCREE_OK);
+        CONTAINS(trouble.text, cases[k].message);
+        CONTAINS(trouble.text, "test.toml:");
+    }
+}
+
+/* Spheres in the C API; a bad one leaves the scene as it was. */
+static void test_api(void) {
+    scree_scene *scene = scree_scene_create();
+    int material, first = -1;
+    CHECK(!scree_scene_add_material(scene, &(scree_material_def){.name = "m", .density = 1000}, &material));
+    double at[3][3] = {{0, 0, 0}, {1, 0, 0}, {NAN, 0, 0}};
+    scree_spheres_def def = {
+        .name = "s", .material = material, .count = 3, .positions = (const double(*)[3])at, .radius = 0.1};
+    CHECK(scree_scene_add_spheres(scene, &def, &first) == SCREE_BAD_INPUT && scree_scene_trouble(scene)->body == 2);
+    CHECK(scree_scene_bodies(scene) == 0 && scree_scene_find_body(scene, "s 1") == -1);
+    at[2][0] = 2.0;
+    CHECK(scree_scene_add_spheres(scene, &def, &first) == SCREE_OK && first == 0);
+    CHECK(scree_scene_add_body(scene, &(scree_body_def){.name = "last", .shape = {.radius = 1}, .position = {9, 0, 0}},
+                               &first) == SCREE_OK);
+    CHECK(first == 3 && scree_scene_find_body(scene, "s 3") == 2 && scree_scene_find_body(scene, "last") == 3);
+    CHECK(scree_scene_body(scene, 2).position[0] == 2.0 && scree_scene_body(scene, 3).position[0] == 9.0);
+    CHECK(strcmp(scree_scene_body_name(scene, 1), "s 2") == 0 && scree_scene_body_shape(scene, 3).radius == 1.0);
+    CLOSE(scree_scene_body_mass(scene, 0), 1000 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-3, 1e-15);
+    def.count = 0;
+    CHECK(scree_scene_add_spheres(scene, &def, &first) == SCREE_BAD_INPUT);
+    scree_scene_destroy(scene);
+}
+
+/* ---- periodic domains ---- */
+
+/* Balls that fly to and fro in a box of 0.05 x 0.03 x 0.04 m, periodic along `axes`; radii differ by up to `ratio`. */
+static char *gas_text(const char *axes, int count, double ratio, uint64_t *seed, const char *more) {
+    static char text[8192];
+    double least = 0.004 / ratio;
+    snprintf(text, sizeof text,
+             "[time]\nend = 1.0\nstep = 2e-5\n%s[domain]\nmin = [-0.01, 0.02, 0]\nmax = [0.04, 0.05, 0.04]\nperiodic = "
+             "[%s]\n"
+             "[[material]]\nname = \"m\"\ndensity = 2000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+             "normal = { law = \"linear\", stiffness = 2e3, restitution = 0.9 }\n"
+             "friction = { law = \"coulomb\", static = 0.3, kinetic = 0.3, stiffness = 1e3 }\n"
+             "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"m\"\nradius = [%.9g, 0.004]\n"
+             "distribution = \"mass\"\nmin = [-0.01, 0.02, 0]\nmax = [0.04, 0.05, 0.04]\ncount = %d\nseed = %d\n",
+             more, axes, least, count, (int)check_between(seed, 0, 1e6));
+    return text;
+}
+
+/* Give every body a velocity, before the first step. */
+static void stir(scree_scene *scene, uint64_t *seed, double speed) {
+    for (int k = 0; k < scene->bodies.count; k++)
+        for (int axis = 0; axis < 3; axis++) scene->bodies.state[k].v[axis] = check_between(seed, -speed, speed);
+}
+
+/* Overlaps of all pairs with all images up to two periods off, by brute force, summed; and their number. */
+static double brute_overlaps(const scree_scene *scene, int *count) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    double sum = 0.0;
+    *count = 0;
+    for (int i = 0; i < bodies->count; i++)
+        for (int j = 0; j < i; j++)
+            for (int image = 0; image < 125; image++) {
+                int n[3] = {image % 5 - 2, image / 5 % 5 - 2, image / 25 - 2};
+                double d2 = 0.0, reach = bodies->record[i].radius + bodies->record[j].radius;
+                int there = 1;
+                for (int axis = 0; axis < 3; axis++) {
+                    double d = bodies->state[i].x[axis] - bodies->state[j].x[axis] + n[axis] * bodies->period[axis];
+                    d2 += d * d;
+                    there &= bodies->period[axis] > 0.0 || n[axis] == 0;
+                }
+                if (!there || !(d2 < reach * reach)) continue;
+                (*count)++;
+                sum += reach - sqrt(d2);
+            }
+    return sum;
+}
+
+/* No contact is missed and none is invented, whatever the axes, sizes and times between lists. */
+static void test_periodic_contacts(void) {
+    static const char *const axes[] = {"\"x\"", "\"y\", \"z\"", "\"x\", \"y\", \"z\"", "\"z\""};
+    uint64_t seed = 11;
+    long met = 0, images = 0;
+    for (int trial = 0; trial < 24; trial++) {
+        int wide = trial % 3 == 2;
+        scree_scene *scene = scene_from(gas_text(axes[trial % 4], wide ? 300 : 80, wide ? 8.0 : 1.5, &seed, ""),
+                                        (const char *const[]){wide ? "time.step=4e-6" : "time.step=2e-5"}, 1, 1);
+        stir(scene, &seed, wide ? 0.3 : 2.0);
+        /* Bodies leave where nothing holds them: only while they are near are there contacts. */
+        for (int look = 0; look < 12; look++) {
+            go(scene, wide ? 397 : 97);
+            int expected, count, found = 0;
+            double sum = brute_overlaps(scene, &expected), listed = 0.0;
+            CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_OK);
+            scree_contact_state *contacts = calloc((size_t)count + 1, sizeof *contacts);
+            CHECK(scree_scene_contacts(scene, contacts, count, &found) == SCREE_OK && found == expected);
+            for (int k = 0; k < count; k++) listed += contacts[k].overlap;
+            /* Places to 1e-16 x 0.05 m a coordinate, a few of them a contact. */
+            NEAR(listed, sum, 1e-16 * (count + 1));
+            free(contacts);
+            met += expected;
+        }
+        for (int b = 0; b < scene->contacts.batches; b++)
+            if (scene->contacts.batch[b].geometry == SCREE_BALL_IMAGE) images += scene->contacts.batch[b].count;
+        scree_scene_destroy(scene);
+    }
+    CHECK(met > 500 && images > 50); /* the test sees what it is about */
+}
+
+/* Moving the whole scene by some of the box (and so other pairs across its border) changes nothing but rounding: the same
+ * impacts, contact memory carried across the border. */
+static void test_periodic_shift(void) {
+    uint64_t seed = 5;
+    static const char *const verlet[] = {"time.step=1e-5"}, *const impulses[] = {"time.step=1e-5",
+                                                                                 "time.integrator=\"pair-impulse\""};
+    for (int method = 0; method < 2; method++) {
+        scree_scene *scene[2];
+        char *text = gas_text("\"x\", \"y\", \"z\"", 40, 1.2, &seed, "");
+        uint64_t same = seed;
+        for (int s = 0; s < 2; s++) {
+            seed = same;
+            scene[s] = scene_from(text, method ? impulses : verlet, method ? 2 : 1, 1);
+            stir(scene[s], &seed, 0.5);
+            for (int k = 0; s && k < scene[s]->bodies.count; k++) {
+                struct scree_state *state = &scene[s]->bodies.state[k];
+                for (int axis = 0; axis < 3; axis++)
+                    state->x[axis] += (0.3 + 0.2 * axis) * scene[s]->bodies.period[axis];
+            }
+            for (int k = 0; k < scene[s]->bodies.count; k++)
+                scene[s]->bodies.record[k].path = HUGE_VAL; /* a new list */
+        }
+        long seen = 0;
+        for (int look = 0; look < 30; look++) {
+            for (int s = 0; s < 2; s++) {
+                go(scene[s], 100);
+                for (int b = 0; b < scene[s]->contacts.batches; b++)
+                    if (scene[s]->contacts.batch[b].geometry == SCREE_BALL_IMAGE)
+                        seen += scene[s]->contacts.batch[b].count;
+            }
+        }
+        double worst = 0.0;
+        for (int k = 0; k < scene[0]->bodies.count; k++)
+            for (int axis = 0; axis < 3; axis++)
+                worst = fmax(worst, fabs(scene[0]->bodies.state[k].v[axis] - scene[1]->bodies.state[k].v[axis]));
+        CHECK(seen > 100);
+        /* Rounding of places (1e-17 m) grows by some 10 for each impact, of which a ball has three or four. */
+        CHECK(worst < 1e-9);
+        scree_scene_destroy(scene[0]);
+        scree_scene_destroy(scene[1]);
+    }
+}
+
+/* A ball that slides down an endless plane through several periods: energy books close, the position stays inside, a restored
+ * run goes on with the same bits, across a return into the box too. */
+static void test_periodic_slide(void) {
+    const char *text =
+        "gravity = [5, 0, -8.5]\n[time]\nend = 1.0\nstep = 5e-5\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, 1]\n"
+        "periodic = [\"x\"]\n[[material]]\nname = \"m\"\ndensity = 2000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear\", stiffness = 2e3, restitution = 0.5 }\n"
+        "friction = { law = \"coulomb\", static = 0.1, kinetic = 0.1, stiffness = 1e3 }\n"
+        "[[body]]\nname = \"slope\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = 0.005 }\nposition = [0.02, 0, 0.005]\n"
+        "[[body]]\nname = \"other\"\nmaterial = \"m\"\nshape = { sphere = 0.005 }\nposition = [0.04, 0, 0.005]\n"
+        "[output]\nwrite = [\"energy.csv\"]\n";
+    scree_scene *scene = scene_from(text, NULL, 0, 1), *again = scene_from(text, NULL, 0, 1);
+    FILE *file = tmpfile();
+    go(scene, 3000);
+    CHECK(scree_scene_save(scene, file, "state") == SCREE_OK);
+    rewind(file);
+    CHECK(scree_scene_restore(again, file, "state") == SCREE_OK);
+    fclose(file);
+    go(scene, 9000);
+    go(again, 9000);
+    CHECK(scree_scene_hash(scene) == scree_scene_hash(again));
+    scree_energy energy;
+    CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
+    /* g sin slope less friction, 0.6 s: 4.15 x 0.36/2 m, 15 periods. Books lack what fixed steps lack elsewhere. */
+    CHECK(scene->carried[0] > 2 * 10 * 0.05 * scree_scene_body_mass(scene, 1));
+    CHECK(fabs(energy.balance) < 1e-4 * energy.kinetic);
+    double x = state_of(scene, "ball").position[0];
+    CHECK(x >= 0.0 && x < 0.05);
+    scree_scene_destroy(scene);
+    scree_scene_destroy(again);
+}
+
+/* The same bits for any number of threads, and lists made at other times. */
+static void test_periodic_bits(void) {
+    uint64_t seed = 21;
+    char *text = gas_text("\"x\", \"y\"", 200, 3.0, &seed, "");
+    uint64_t hash = 0;
+    for (int variant = 0; variant < 3; variant++) {
+        uint64_t same = 77;
+        scree_scene *scene = scene_from(text, (const char *const[]){"time.force=true"}, 1, variant == 1 ? 3 : 1);
+        if (variant == 2) scene->contacts.skin *= 0.7;
+        stir(scene, &same, 1.0);
+        go(scene, 3000);
+        if (variant == 0) hash = scree_scene_hash(scene);
+        CHECK(scree_scene_hash(scene) == hash);
+        scree_scene_destroy(scene);
+    }
+}
+
+/* So many that bodies are sorted in space and threads share the work: the same bits, and no contact missed. */
+static void test_periodic_many(void) {
+    const char *text = "[time]\nend = 1.0\nstep = 2e-5\n[domain]\nmin = [0, 0, 0]\nmax = [0.092, 0.0552, 0.0552]\n"
+                       "periodic = [\"x\", \"y\", \"z\"]\n[[material]]\nname = \"m\"\ndensity = 2000\n"
+                       "[[contact]]\nbetween = [\"m\", \"m\"]\n"
+                       "normal = { law = \"linear\", stiffness = 500, restitution = 0.9 }\n"
+                       "friction = { law = \"coulomb\", static = 0.3, kinetic = 0.3, stiffness = 300 }\n"
+                       "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"m\"\nradius = 0.002\n"
+                       "min = [0, 0, 0]\nmax = [0.092, 0.0552, 0.0552]\nspacing = 0.0046\njitter = 3e-4\n";
+    uint64_t hash = 0;
+    for (int threads = 1; threads <= 3; threads += 2) {
+        uint64_t seed = 3;
+        scree_scene *scene = scene_from(text, NULL, 0, threads);
+        CHECK(scree_scene_bodies(scene) == 20 * 12 * 12);
+        stir(scene, &seed, 1.0);
+        go(scene, 1300); /* across two returns into the box, 26 mm a body */
+        if (threads == 1) hash = scree_scene_hash(scene);
+        CHECK(scree_scene_hash(scene) == hash);
+        int count, expected = 0;
+        const struct scree_bodies *bodies = &scene->bodies;
+        for (int i = 0; i < bodies->count; i++)
+            for (int j = 0; j < i; j++) {
+                struct vec apart = vec_sub(vec_from(bodies->state[i].x), vec_from(bodies->state[j].x));
+                double reach = bodies->record[i].radius + bodies->record[j].radius;
+                expected += vec_norm(scree_nearest_image(bodies, apart)) < reach;
+            }
+        CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_OK && count == expected && count > 300);
+        scree_scene_destroy(scene);
+    }
+}
+
+/* A prescribed sphere goes on for ever and isn't put back; once a period it passes a heavy one that stays where it is. */
+static void test_periodic_drive(void) {
+    scree_scene *scene = scene_from(
+        "[time]\nend = 1.0\nstep = 1e-4\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, 1]\nperiodic = [\"x\"]\n"
+        "[[material]]\nname = \"m\"\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear\", stiffness = 1.0, damping = 0 }\n"
+        "[[motion]]\nname = \"on\"\nkind = \"velocity\"\nvelocity = 1.0\n"
+        "[[body]]\nname = \"heavy\"\nmaterial = \"m\"\nshape = { sphere = 0.005 }\nmass = 1e9\n"
+        "position = [0.04, 0, 0]\n"
+        "[[body]]\nname = \"belt\"\nmaterial = \"m\"\nshape = { sphere = 0.005 }\nposition = [0.001, 0, 0.0095]\n"
+        "joint = { x = \"on\", others = \"fixed\" }\n",
+        NULL, 0, 1);
+    for (int period = 0; period < 12; period++)
+        for (int part = 0; part < 10; part++) {
+            double x = 0.001 + 0.05 * part / 10.0; /* they touch within sqrt(0.01^2 - 0.0095^2) = 0.0031 m of 0.04 m */
+            int count;
+            CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_OK && count == (part == 8));
+            NEAR(state_of(scene, "belt").position[0], x, 1e-12); /* the time is a sum of steps, up to 0.6 s */
+            go(scene, 50);
+        }
+    scree_scene_destroy(scene);
+}
+
+static void test_bad_domains(void) {
+#define BALL "[[body]]\nname = \"ball\"\nmaterial = \"glass\"\nshape = { sphere = 0.1 }\n"
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {HEAD BALL "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 0.3]\nperiodic = [\"z\"]\n",
+         "two diameters of the largest"},
+        {HEAD BALL "position = [2, 0, 0]\n[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n",
+         "starts outside of the domain: its x is 2 m"},
+        {HEAD BALL "[domain]\nmin = [0, 0, 0]\nmax = [1, 0, 1]\n", "must go up from min to max along y"},
+        {HEAD BALL "[domain]\nmin = [0, 0, 0]\n", "needs its corners"},
+        {HEAD BALL "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"w\"]\n", "one of \"x\", \"y\", \"z\""},
+        {HEAD BALL "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = \"x\"\n", "must be an array of axes"},
+        {HEAD BALL "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodc = [\"x\"]\n", "did you mean \"periodic\"?"},
+        {HEAD "[[body]]\nname = \"box\"\nmaterial = \"glass\"\nshape = { box = [1, 1, 1] }\n"
+              "[domain]\nmin = [0, 0, 0]\nmax = [9, 9, 9]\nperiodic = [\"x\"]\n",
+         "body \"box\" is a box: only spheres and planes"},
+        {HEAD BALL "[[body]]\nname = \"wall\"\nmaterial = \"glass\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+                   "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"z\"]\n",
+         "plane \"wall\" cuts the axis z"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        scree_scene *scene;
+        scree_trouble trouble = {0};
+        CHECK(read_text(cases[k].text, &scene, &trouble) == SCREE_BAD_INPUT);
+        CONTAINS(trouble.text, cases[k].message);
+        CONTAINS(trouble.text, "test.toml:");
+    }
+}
+
+/* A tiny sphere in a huge box: the cells are as many as the bodies, not as the box has room for. */
+static void test_tiny_in_huge(void) {
+    scree_scene *scene =
+        scene_from("[time]\nend = 1.0\nstep = 1e-3\n[domain]\nmin = [0, 0, 0]\nmax = [1e9, 1e9, 1e9]\nperiodic = "
+                   "[\"x\", \"y\", \"z\"]\n"
+                   "[[material]]\nname = \"m\"\ndensity = 1\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+                   "normal = { law = \"linear\", stiffness = 1e-20, damping = 0 }\n"
+                   "[[body]]\nname = \"a\"\nmaterial = \"m\"\nshape = { sphere = 1e-6 }\nposition = [5, 5, 5]\n"
+                   "[[body]]\nname = \"b\"\nmaterial = \"m\"\nshape = { sphere = 1e6 }\nposition = [9e8, 5, 5]\n",
+                   NULL, 0, 1);
+    go(scene, 10);
+    scree_scene_destroy(scene);
+}
+
+int main(void) {
+    snprintf(table_path, sizeof table_path, "/tmp/scree_spheres_%ld.csv", (long)getpid());
+    snprintf(scene_path, sizeof scene_path, "/tmp/scree_spheres_%ld.toml", (long)getpid());
+    test_lattice();
+    test_random();
+    test_wide_ratio();
+    test_table();
+    test_bad_tables();
+    test_bad_generators();
+    test_api();
+    test_periodic_contacts();
+    test_periodic_shift();
+    test_periodic_slide();
+    test_periodic_bits();
+    test_periodic_many();
+    test_periodic_drive();
+    test_bad_domains();
+    test_tiny_in_huge();
+    remove(table_path);
+    remove(scene_path);
+    return check_report();
+}
