@@ -57,8 +57,10 @@ void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies
 
 static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                       const struct scree_batch *batch, int block, double step) {
-    contacts->loop->act(contacts, bodies, batch, batch->segment[0].first + block * SCREE_LANES,
-                        contacts_in_block(batch, block), step, &batch->yield[block]);
+    int count = contacts_in_block(batch, block);
+    const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
+    loop->act(contacts, bodies, batch, batch->segment[0].first + block * SCREE_LANES, count, step,
+              &batch->yield[block]);
 }
 
 /* Blocks are independent of each other; a team of threads pays from some dozens of them on. */

@@ -56,6 +56,7 @@ static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
 scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
                                    const struct scree_rule *rules, int rule_count, scree_trouble *trouble) {
     *contacts = (struct scree_contacts){.loop = scree_choose_loop(),
+                                        .loop_for_few = scree_choose_loop_for_few(),
                                         .materials = materials,
                                         .rules = rule_count,
                                         .deepest_ball = -1,

@@ -144,7 +144,7 @@ struct scree_return {
 };
 
 struct scree_contacts {
-    const struct scree_loop *loop; /* for this processor */
+    const struct scree_loop *loop, *loop_for_few; /* for this processor */
     int materials;
     int rules;
     struct scree_rule *rule;

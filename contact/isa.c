@@ -26,13 +26,23 @@ static int runs(const struct scree_loop *loop) {
     return loop == &scree_loop_baseline;
 }
 
-const struct scree_loop *scree_choose_loop(void) {
+static const struct scree_loop *choose(size_t from) {
     const char *wanted = getenv("SCREE_ISA");
     const struct scree_loop *chosen = NULL;
     for (size_t k = 0; k < sizeof loops / sizeof *loops; k++) {
         if (!runs(loops[k])) continue;
         if (wanted && strcmp(wanted, loops[k]->name) == 0) return loops[k];
-        if (!chosen) chosen = loops[k];
+        if (!chosen && k >= from) chosen = loops[k];
     }
     return chosen;
+}
+
+const struct scree_loop *scree_choose_loop(void) { return choose(0); }
+
+const struct scree_loop *scree_choose_loop_for_few(void) {
+#ifdef SCREE_HAS_AVX512
+    return choose(1);
+#else
+    return choose(0);
+#endif
 }

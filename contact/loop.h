@@ -22,4 +22,7 @@ extern const struct scree_loop scree_loop_baseline, scree_loop_avx2, scree_loop_
  * if it can; all give the same bits. */
 const struct scree_loop *scree_choose_loop(void);
 
+/* The same for some few contacts, with which vectors of eight would be half empty and are slower to divide. */
+const struct scree_loop *scree_choose_loop_for_few(void);
+
 #endif
