@@ -9,7 +9,7 @@
 #include <time.h>
 
 static const char help[] =
-    "usage: scree-bench precision [--phases N] [--case NAME] [--many] [--script]\n"
+    "usage: scree-bench precision [--phases N] [--case NAME] [--many N] [--per N] [--script]\n"
     "\n"
     "Run time against error: events that each integrator simulates with steps of different length. Errors are over "
     "phases "
@@ -26,34 +26,46 @@ static const char help[] =
     "\n"
     "  --phases N   at most 64; 16 if not given (long cases take fewer)\n"
     "  --case NAME  this one only\n"
-    "  --many       1024 of the damped and the oblique impacts at once, 32 phases each: time is that of one contact, "
-    "steps are\n"
-    "               those of one ball (bench/peers/precision.sh sets other programs beside them)\n"
-    "  --script     print a gnuplot script that draws data/bench/precision.csv\n"
+    "  --many N     N (at most 1024) of the impacts at once, up to 32 phases; time is that of one contact of one ball "
+    "(see\n"
+    "               bench/peers/precision.sh, which sets other programs beside them)\n"
+    "  --per N      this number of steps per contact only\n"
+    "  --script     print a gnuplot script that draws precision.csv and precision_peers.csv of data/bench\n"
     "\n"
     "example: scree-bench precision --phases 16 --case cradle\n";
 
 static const char script[] =
-    "# scree-bench precision > precision.csv; gnuplot precision.gp\n"
+    "# scree-bench precision > precision.csv; bench/peers/precision.sh build > precision_peers.csv; gnuplot "
+    "precision.gp\n"
     "set datafile separator ','\n"
-    "set terminal svg size 1500,1500 dynamic\n"
+    "set terminal svg size 1000,360 dynamic font ',11'\n"
     "set output 'precision.svg'\n"
-    "cases = system(\"awk -F, '!/^#/ && $1 != \\\"case\\\" && !seen[$1]++ { gsub(\\\" \\\", \\\"_\\\", $1); print $1 "
-    "}' "
-    "precision.csv\")\n"
-    "set multiplot layout 6,4 title 'largest error over microseconds of a run: verlet (red), pair-impulse (blue), with "
-    "4 "
-    "substeps (green)'\n"
+    "set multiplot layout 1,3\n"
     "set logscale xy\n"
     "set format '10^{%L}'\n"
+    "set xlabel 'microseconds of the processor for a contact'\n"
+    "set ylabel 'largest error of the rebound'\n"
+    "set key bottom left\n"
+    "do for [name in \"'damped impact with tension' 'tsuji impact' 'oblique impact with tension'\"] {\n"
+    "  set title name\n"
+    "  of(who) = (strcol(1) eq name && strcol(2) eq who) ? $5 : NaN\n"
+    "  plot for [who in \"lammps liggghts yade verlet pair-impulse 'pair-impulse x4'\"] 'precision_peers.csv' \\\n"
+    "       using 6:(of(who)) with points pt 7 ps 0.5 title who\n"
+    "}\n"
+    "unset multiplot\n"
+    "set output 'precision_cases.svg'\n"
+    "set terminal svg size 1500,1700 dynamic\n"
     "set key off\n"
+    "set xlabel; set ylabel\n"
+    "set multiplot layout 7,4 title 'largest error over microseconds of a run: verlet (red), pair-impulse (blue), 4 "
+    "substeps (green)'\n"
+    "cases = system(\"awk -F, '!/^#/ && NR > 3 && !seen[$1]++ { print \\\"'\\\" $1 \\\"'\\\" }' precision.csv\")\n"
     "do for [name in cases] {\n"
-    "  set title system(\"echo '\".name.\"' | tr _ ' '\")\n"
-    "  of(who) = \"< awk -F, '{ gsub(\\\" \\\", \\\"_\\\", $1) } $1 == \\\"\".name.\"\\\" && $2 == \\\"\".who.\"\\\" { "
-    "print $6 \\\",\\\" $5 }' precision.csv\"\n"
-    "  plot of('verlet') with linespoints pt 7 ps 0.4 lc rgb '#c03030', \\\n"
-    "       of('pair-impulse') with linespoints pt 7 ps 0.4 lc rgb '#3060c0', \\\n"
-    "       of('pair-impulse x4') with linespoints pt 7 ps 0.4 lc rgb '#2a9d4e'\n"
+    "  set title name\n"
+    "  of(who) = (strcol(1) eq name && strcol(2) eq who) ? $5 : NaN\n"
+    "  plot 'precision.csv' using 6:(of('verlet')) with points pt 7 ps 0.4 lc rgb '#c03030', \\\n"
+    "       '' using 6:(of('pair-impulse')) with points pt 7 ps 0.4 lc rgb '#3060c0', \\\n"
+    "       '' using 6:(of('pair-impulse x4')) with points pt 7 ps 0.4 lc rgb '#2a9d4e'\n"
     "}\n"
     "unset multiplot\n";
 
@@ -68,6 +80,9 @@ static const struct {
 };
 
 static const double per_contact[STEPS] = {10, 12, 15, 20, 30, 50, 100, 200, 350, 500};
+
+/* `only` 0: all steps. */
+static int wanted(int k, double only) { return only <= 0.0 || per_contact[k] == only; }
 
 /* Seconds of processor time: one thread runs, and whatever else the machine does isn't counted. */
 static double processor_now(void) {
@@ -147,10 +162,11 @@ static void add_errors(struct row *row, const double *numbers, const double *rig
 }
 
 /* Integrators take turns, so that what else the machine does hits them alike. */
-static void fill(const struct precision_case *c, int phases, const double *reference, struct row (*rows)[STEPS]) {
+static void fill(const struct precision_case *c, int phases, double only, const double *reference,
+                 struct row (*rows)[STEPS]) {
     static double numbers[PRECISION_NUMBERS];
     for (int k = 0; k < STEPS; k++)
-        for (int phase = 0; phase < phases; phase++)
+        for (int phase = 0; phase < phases && wanted(k, only); phase++)
             for (int integrator = 0; integrator < INTEGRATORS; integrator++) {
                 double part = (phase + 0.5) / phases, step = c->duration / (per_contact[k] - 0.5 + part);
                 struct row *row = &rows[integrator][k];
@@ -168,29 +184,30 @@ static void print_row(const char *name, double duration, int integrator, int k, 
            bench_median(row->nanoseconds, count), sqrt(row->squares / numbers));
 }
 
-static void measure(const struct precision_case *c, int phases) {
+static void measure(const struct precision_case *c, int phases, double only) {
     static double reference[PRECISION_NUMBERS];
     static struct row rows[INTEGRATORS][STEPS];
     memset(rows, 0, sizeof rows);
     if (c->phases && c->phases < phases) phases = c->phases;
     set_reference(c, reference);
-    fill(c, phases, reference, rows);
+    fill(c, phases, only, reference, rows);
     for (int integrator = 0; integrator < INTEGRATORS; integrator++)
         for (int k = 0; k < STEPS; k++)
-            print_row(c->name, c->duration, integrator, k, &rows[integrator][k], phases, phases * c->numbers);
+            if (wanted(k, only))
+                print_row(c->name, c->duration, integrator, k, &rows[integrator][k], phases, phases * c->numbers);
     fflush(stdout);
 }
 
 /* ---- many at once ---- */
 
 /* The case's text with its ball, which comes last but for the laws, MANY times. */
-static char *multiply(const struct precision_case *c, double step) {
+static char *multiply(const struct precision_case *c, int balls, double step) {
     const char *ball = strstr(c->scene, "[[body]]\nname = \"first\""), *laws = strstr(c->scene, "[[contact]]");
-    size_t size = strlen(c->scene) + MANY * 320, used;
+    size_t size = strlen(c->scene) + (size_t)balls * 320 + 256, used;
     char *text = malloc(size);
     if (!text) return NULL;
     used = (size_t)snprintf(text, size, "%.*s", (int)(ball - c->scene), c->scene);
-    for (int k = 0; k < MANY; k++) {
+    for (int k = 0; k < balls; k++) {
         double ahead = step * (k % MANY_PHASES + 0.5) / MANY_PHASES;
         used += (size_t)snprintf(
             text + used, size - used,
@@ -202,19 +219,19 @@ static char *multiply(const struct precision_case *c, double step) {
     return text;
 }
 
-static void run_many(const struct precision_case *c, int integrator, int part, int k, const double *reference,
-                     struct row *row) {
+static void run_many(const struct precision_case *c, int balls, int integrator, int part, int k,
+                     const double *reference, struct row *row) {
     double per = per_contact[k] - 0.5 + (part + 0.5) / PARTS, step = c->duration / per;
     long steps = (long)(1.3 * per + 3.0);
-    char change[64], *text = multiply(c, step);
+    char change[64], *text = multiply(c, balls, step);
     const char *changes[] = {change, integrators[integrator].choice, integrators[integrator].substeps};
     snprintf(change, sizeof change, "time.step=%.17g", step);
     scree_scene *scene = bench_scene_text(text, changes, integrators[integrator].substeps ? 3 : 2);
     double begin = processor_now();
     bench_step(scene, steps);
-    row->nanoseconds[part] = (processor_now() - begin) / (double)steps / MANY * 1e9;
+    row->nanoseconds[part] = (processor_now() - begin) / (double)steps / balls * 1e9;
     row->seconds[part] = row->nanoseconds[part] * 1e-9 * per;
-    for (int ball = 0; ball < MANY; ball++) {
+    for (int ball = 0; ball < balls; ball++) {
         scree_body_state state = scree_scene_body(scene, ball + 1);
         double numbers[3] = {state.velocity[2], state.velocity[0], 0.01 * state.spin[1]};
         add_errors(row, numbers, reference, c->numbers);
@@ -223,30 +240,31 @@ static void run_many(const struct precision_case *c, int integrator, int part, i
     free(text);
 }
 
-static void measure_many(const struct precision_case *c) {
+static void measure_many(const struct precision_case *c, int balls, double only) {
     double reference[PRECISION_NUMBERS];
     static struct row rows[INTEGRATORS][STEPS];
     memset(rows, 0, sizeof rows);
     set_reference(c, reference);
     for (int k = 0; k < STEPS; k++)
-        for (int part = 0; part < PARTS; part++)
+        for (int part = 0; part < PARTS && wanted(k, only); part++)
             for (int integrator = 0; integrator < INTEGRATORS; integrator++)
-                run_many(c, integrator, part, k, reference, &rows[integrator][k]);
+                run_many(c, balls, integrator, part, k, reference, &rows[integrator][k]);
     for (int integrator = 0; integrator < INTEGRATORS; integrator++)
         for (int k = 0; k < STEPS; k++)
-            print_row(c->name, c->duration, integrator, k, &rows[integrator][k], PARTS, PARTS * MANY * c->numbers);
+            if (wanted(k, only))
+                print_row(c->name, c->duration, integrator, k, &rows[integrator][k], PARTS, PARTS * balls * c->numbers);
     fflush(stdout);
 }
 
 int bench_precision(int count, char **words) {
     enum { MOST = 64 };
     const char *phases = NULL, *only = NULL, *names[MOST + 1] = {0};
-    int many = 0, wants_script = 0;
-    const struct cli_option options[] = {{.name = "--phases", .value = &phases},
-                                         {.name = "--case", .value = &only},
-                                         {.name = "--many", .flag = &many},
-                                         {.name = "--script", .flag = &wants_script},
-                                         {0}};
+    const char *many = NULL, *steps = NULL;
+    int wants_script = 0;
+    const struct cli_option options[] = {
+        {.name = "--phases", .value = &phases},      {.name = "--case", .value = &only},
+        {.name = "--many", .value = &many},          {.name = "--per", .value = &steps},
+        {.name = "--script", .flag = &wants_script}, {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (wants_script) {
@@ -254,7 +272,10 @@ int bench_precision(int count, char **words) {
         return EXIT_GOOD;
     }
     int phase_count = phases ? cli_whole_number(phases, "--phases", PHASES) : 16;
-    if (!phase_count) return EXIT_USAGE;
+    int balls = many ? cli_whole_number(many, "--many", MANY) : MANY;
+    int per = steps ? cli_whole_number(steps, "--per", 500) : 500;
+    if (!phase_count || !balls || !per) return EXIT_USAGE;
+    if (!steps) per = 0;
     int known = only == NULL;
     for (int k = 0; k < precision_case_count && k < MOST; k++) {
         names[k] = precision_cases[k].name;
@@ -267,9 +288,9 @@ int bench_precision(int count, char **words) {
         const struct precision_case *c = &precision_cases[k];
         if (only && strcmp(only, c->name) != 0) continue;
         if (!many)
-            measure(c, phase_count);
+            measure(c, phase_count, per);
         else if (c->many)
-            measure_many(c);
+            measure_many(c, balls, per);
     }
     return EXIT_GOOD;
 }

@@ -96,7 +96,7 @@ static const struct {
      2.0},
     {"oblique impact", pair, "contact.0.friction={law=\"coulomb\", static=0.05, kinetic=0.05, stiffness=8e4}", 50, 400,
      2.0},
-    {"oblique impact, mindlin", pair, "contact.0.friction={law=\"mindlin\", static=10, kinetic=10, shear_modulus=8e6}",
+    {"oblique impact (mindlin)", pair, "contact.0.friction={law=\"mindlin\", static=10, kinetic=10, shear_modulus=8e6}",
      50, 400, 2.0},
     {"sphere rolls down an incline", verlet, NULL, 100, 800, 2.0},
     {"sphere rolls down an incline", pair, NULL, 25, 200, 4.0},
@@ -107,7 +107,7 @@ static const struct {
     {"damped row of three", pair, NULL, 200, 1600, 2.0},
     {"squeezed spheres", verlet, NULL, 50, 400, 2.0},
     {"squeezed spheres", pair, NULL, 200, 1600, 2.0},
-    {"attitude of a free top, 12 turns", verlet, NULL, 25, 100, 2.0},
+    {"attitude of a free top after 12 turns", verlet, NULL, 25, 100, 2.0},
 };
 
 static const struct precision_case *find(const char *name) {
