@@ -65,9 +65,9 @@ static scree_status enlarge_yield(struct scree_batch *batch, scree_trouble *trou
 static void shift(struct scree_batch *batch, struct scree_part *segment, int to) {
     double *column[SCREE_MEMORY + SCREE_PAST];
     int columns = columns_of(batch, column), count = segment->count;
-    if (to != segment->first)
+    if (to != segment->first && count)
         memmove(batch->contact + to, batch->contact + segment->first, (size_t)count * sizeof *batch->contact);
-    for (int c = 0; c < columns && to != segment->first; c++)
+    for (int c = 0; c < columns && to != segment->first && count; c++)
         memmove(column[c] + to, column[c] + segment->first, (size_t)count * sizeof(double));
     segment->first = to;
 }
@@ -75,7 +75,7 @@ static void shift(struct scree_batch *batch, struct scree_part *segment, int to)
 static void clear_padding(struct scree_batch *batch, const struct scree_part *segment) {
     double *column[SCREE_MEMORY + SCREE_PAST];
     int columns = columns_of(batch, column), count = segment->count;
-    for (int c = 0; c < columns; c++)
+    for (int c = 0; c < columns && count; c++)
         memset(column[c] + segment->first + count, 0, (size_t)(padded(count) - count) * sizeof(double));
 }
 
@@ -163,7 +163,7 @@ static int renew(const struct scree_contacts *contacts, const struct scree_bodie
     int count = pick(contacts, bodies, batch, s, scratch);
     if (padded(count) > segment->capacity) return count;
     move_columns(batch, segment, count, scratch->from);
-    memcpy(batch->contact + segment->first, scratch->contact, (size_t)count * sizeof *scratch->contact);
+    if (count) memcpy(batch->contact + segment->first, scratch->contact, (size_t)count * sizeof *scratch->contact);
     segment->count = count;
     return 0;
 }
