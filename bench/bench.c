@@ -18,7 +18,7 @@ static const char help[] =
     "  laws      time of a contact in the loop, for every contact law\n"
     "  lm        time of a least-squares solve; calls and digits on test problems; beside other solvers\n"
     "  plan      time of planning 41 operating speeds with the process model, against the clearance left\n"
-    "  precision run time against error for each integrator: impacts, sliding, a cradle, bouncing\n"
+    "  precision run time against error for each integrator: impacts, rolling, rows, bouncing, a heap, …; of many at once\n"
     "  stability where a step is stable and right, over step and damping, for several laws; beside theory\n"
     "  stress    extreme masses, stiffnesses, sizes, speeds, stacks, long rests: what happens, and what is said of it\n"
     "\n"
