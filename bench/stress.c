@@ -507,13 +507,14 @@ static void rest(const char *law, const char *friction, double load, double cree
 }
 
 /* Bodies that lie still: fastest motion, and how far they are from the heights that are given (0: from where they lay after
- * `settling` steps). A position can't be better than its last digit, which the forces move it by within a step. */
+ * `settling` steps). A position can't be better than its last digit, 2.8e-17 m
+ * at 0.2 m, which the forces move it by within a step; ten bodies on each other add theirs up. */
 static void lie(const char *what, const char *integrator, const struct text *text, long settling, long steps,
                 const double *heights, double overlap, double bound) {
     struct row speed =
         begin("long rest", "fastest motion (m/s)", 0.0, bound, "%s, %s; %ld steps", what, integrator, steps);
-    struct row sunk = begin("long rest", "largest shift (of the smallest overlap)", 0.0, 1e-12, "%s, %s; %ld steps",
-                            what, integrator, steps);
+    struct row sunk = begin("long rest", "largest shift (of the smallest overlap)", 0.0, 10.0 * 2.8e-17 / overlap,
+                            "%s, %s; %ld steps", what, integrator, steps);
     scree_scene *scene = make(&speed, text);
     int count = scene ? scree_scene_bodies(scene) : 0;
     int through = scene && (settling == 0 || step(&speed, scene, settling));
