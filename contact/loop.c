@@ -263,6 +263,20 @@ static void press_and_rub(struct block *b, int count, const struct scree_rule *r
 }
 
 /* All passes but the last. */
+/* The stretch of a slider's spring counts from the touch, not from the beginning of the step in which bodies meet: without this friction
+ * is of first order. Until the middle of the step, to which the laws add half of it, that is overlap/closing. */
+static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
+    int meeting = 0;
+    _Pragma("omp simd reduction(| : meeting)")
+    for (int k = 0; k < padded(count); k++) meeting |= (b->overlap[k] > 0.0) & (b->overlap[k] < step * b->closing[k]);
+    for (int k = 0; meeting && k < count; k++) {
+        if (!(b->overlap[k] > 0.0 && b->overlap[k] < step * b->closing[k])) continue;
+        if (kept[0][k] != 0.0 || kept[1][k] != 0.0 || kept[2][k] != 0.0) continue;
+        double since = b->overlap[k] / b->closing[k] - 0.5 * step;
+        for (int axis = 0; axis < 3; axis++) kept[axis][k] = since * b->slip[axis][k];
+    }
+}
+
 static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_batch *batch, int first, int count, double step, struct block *b) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
@@ -272,6 +286,8 @@ static void press(const struct scree_contacts *contacts, const struct scree_bodi
     for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
     gather(bodies, batch->contact + first, count, batch->geometry, b);
     share_out(count, step, b);
+    const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
+    if (friction && friction->slider && !friction->in_force) begin_stretches(b, count, step, kept);
     press_and_rub(b, count, rule, pair, kept, step);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
 }
