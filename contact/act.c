@@ -131,6 +131,7 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
 }
 
 static void act_slabs(const struct slabs *all, int threads) {
+    (void)threads; /* without OpenMP */
     int slabs = all->bodies->order.slabs;
     for (int parity = 0; parity < 2; parity++) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
