@@ -29,6 +29,7 @@ static const scree_transport task = {.distance = 0.08,
                                      .fractions = {0.25, 0.5, 0.75}};
 
 static void plan_all(struct process *process, double clearance, int threads, scree_plan plans[SPEEDS]) {
+    (void)threads; /* without OpenMP */
     scree_plan_options options = {
         .formulation = SCREE_PLAN_C, .process = process_catch, .context = process, .clearance = clearance};
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
@@ -37,6 +38,7 @@ static void plan_all(struct process *process, double clearance, int threads, scr
 
 /* Largest clearance that the plans leave. */
 static double judge(struct process *process, int threads, const scree_plan plans[SPEEDS]) {
+    (void)threads;
     double left[SPEEDS], worst = 0.0;
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int n = 0; n < SPEEDS; n++) {

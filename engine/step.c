@@ -152,6 +152,11 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
     scree_bodies_advance_some(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
 }
 
+/* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than after a break. */
+static int may_hurry(const scree_scene *scene) {
+    return !scene->bodies.periodic || (scene->steps + 1) % STEPS_TO_RETURN != 0;
+}
+
 static scree_status step_once(scree_scene *scene, int more) {
     scree_status status = put_back(scene);
     if (!status) status = keep_order(scene);
@@ -164,7 +169,7 @@ static scree_status step_once(scree_scene *scene, int more) {
         status = renew_list(scene);
         if (status) return status;
     }
-    act_and_advance(scene, gravity, more);
+    act_and_advance(scene, gravity, more && may_hurry(scene));
     scene->steps++;
     return scree_check_depth(scene, scree_scene_time(scene));
 }
