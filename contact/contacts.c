@@ -22,7 +22,7 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
             batch->rule = rule;
             int keeps = scree_normal_laws[rules[rule].normal]->memory || (law && law->memory);
             batch->memory = rolling && rolling->memory ? SCREE_MEMORY : keeps ? SCREE_KEPT_ROLLING : 0;
-            batch->turns = law || rolling || geometry == SCREE_BALL_BOX;
+            batch->turns = law || rolling || geometry >= SCREE_BALL_BOX;
             batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
             if (rolling) batch->slope += rolling->slope(&rules[rule].rolling_constants);
             contacts->batch_of[rule * SCREE_GEOMETRIES + geometry] = contacts->batches++;
@@ -80,6 +80,8 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         free(batch->past);
         free(batch->old_past);
         free(batch->moments);
+        free(batch->run);
+        free(batch->first_run);
     }
     free(contacts->rule);
     free(contacts->rule_of);
@@ -115,5 +117,6 @@ double scree_effective_mass(const struct scree_bodies *bodies, int i, int j) {
 
 double scree_effective_radius(const struct scree_bodies *bodies, int ball, int host, enum scree_geometry geometry) {
     double r = bodies->record[ball].radius, other = bodies->record[host].radius;
+    if (geometry == SCREE_EDGE_EDGE) return sqrt(r * other); /* crossed cylinders, as if at right angles */
     return geometry == SCREE_BALL_BALL ? r * other / (r + other) : r;
 }

@@ -6,13 +6,15 @@
  *   loop         blocks of contacts through short passes; impulses into the bodies (loop.c)
  *
  * A contact is a ball (a sphere, or the corner of a rounded box) on a partner: another ball, a plane, a rectangle
- * or a box. Whatever the partner, it becomes a normal, an overlap and two arms, and goes through the same laws. Every
+ * or a box; or an edge on an edge (crossing.h). Whatever it is, it becomes a normal, an overlap and two arms, and goes through the
+ * same laws. Every
  * listed contact is computed, those out of touch give zero, so the result doesn't depend on when lists are made. */
 #ifndef SCREE_CONTACT_CONTACTS_H
 #define SCREE_CONTACT_CONTACTS_H
 
 #include "bodies/bodies.h"
 #include "contact/catalogue.h"
+#include "contact/crossing.h"
 
 #include <stdint.h>
 
@@ -25,10 +27,17 @@ enum {
     SCREE_PAIR_COLUMNS = SCREE_PAIR_LEVER + 1
 };
 
-enum scree_geometry { SCREE_BALL_BALL, SCREE_BALL_PLANE, SCREE_BALL_RECTANGLE, SCREE_BALL_BOX, SCREE_GEOMETRIES };
+enum scree_geometry {
+    SCREE_BALL_BALL,
+    SCREE_BALL_PLANE,
+    SCREE_BALL_RECTANGLE,
+    SCREE_BALL_BOX,
+    SCREE_EDGE_EDGE,
+    SCREE_GEOMETRIES
+};
 
 /* One contact: ball on body `ball`, partner body `host`; `corner` is a row of the bodies' corner table (0: the ball is the
- * body's centre). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next list. */
+ * body's centre), or with SCREE_EDGE_EDGE tells both edges (scree_crossing_code). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next list. */
 struct scree_contact {
     int ball, host, corner;
 };
@@ -39,6 +48,7 @@ struct scree_yield {
     double depth[SCREE_LANES]; /* overlap over the largest tolerable overlap */
     double
         steep[SCREE_LANES]; /* step x slope of the friction law x normal force x softness: friction chatters beyond 1 */
+    int silent;             /* only edges on edges: nothing touches, the rest isn't filled in */
     double lost_normal;     /* J dissipated in normal direction during the step (if measured) */
     double work_tangential; /* J done against friction during the step (if measured) */
 };
@@ -48,6 +58,15 @@ enum { SCREE_PAST = 6 };
 
 struct scree_moments {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES]; /* N s^2, N m s^2 */
+};
+
+/* The contacts of two boxes edge on edge, a run of their batch. */
+struct scree_run {
+    int start; /* its first contact in the batch */
+    /* How far the boxes may move, m, their ways since the list added up, and not touch so; where to look first whether corners bear
+     * all. */
+    double clear;
+    struct scree_rectangles first;
 };
 
 /* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. */
@@ -64,6 +83,10 @@ struct scree_batch {
     double (*pair)[SCREE_PAIR_COLUMNS][SCREE_LANES]; /* per block, or one if uniform */
     double (*kept)[SCREE_MEMORY][SCREE_LANES];       /* contact memory per block; NULL without */
     struct scree_yield *yield;                       /* per block */
+    /* Only of edges on edges: the runs, and of each block the run of its first contact. */
+    int runs;
+    struct scree_run *run;
+    int *first_run;
     /* For the pair-impulse method; NULL without it. */
     int impulses;
     double (*past)[SCREE_PAST][SCREE_LANES];
@@ -150,6 +173,7 @@ void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *
 /* A contact as measured at the instant of the records, without changing anything. Vectors in the world. */
 struct scree_touch {
     int ball, host, corner;
+    int edges;                         /* `corner` is the code of two edges */
     double overlap, closing;           /* m, m/s */
     double normal_force;               /* N */
     double stored, stored_in_friction; /* J, in normal direction; in the springs of friction and rolling */

@@ -514,6 +514,11 @@ struct view {
 static struct view view_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
                            enum scree_geometry geometry) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    if (geometry == SCREE_EDGE_EDGE) {
+        struct scree_crossing c = scree_cross(bodies, contact);
+        struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
+        return (struct view){c.meeting.normal, c.point, apart, c.meeting.overlap};
+    }
     struct vec corner = vec_from(bodies->corner[contact->corner]);
     struct scree_meeting m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
     return (struct view){m.normal, vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
@@ -732,6 +737,7 @@ static int contacts_in_block(const struct scree_batch *batch, int block) {
 static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
     batch->yield[block].lost_normal = batch->yield[block].work_tangential = 0.0;
+    batch->yield[block].silent = 0;
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++)
         impel(contacts, bodies, now, (struct place){batch, block, lane}, step);
 }

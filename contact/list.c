@@ -1,7 +1,7 @@
 /* The list of near contacts: made from candidate pairs, sorted, with the contact memory of the list before. */
 #include "contact/contacts.h"
 
-#include "contact/geometry.h"
+#include "contact/meet.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +19,11 @@ static scree_status grow(struct scree_batch *batch, scree_trouble *trouble) {
     if (pair) batch->pair = pair;
     struct scree_yield *yield = realloc(batch->yield, blocks * sizeof *yield);
     if (yield) batch->yield = yield;
-    int ok = contact && old_contact && pair && yield;
+    int *first_run = realloc(batch->first_run, blocks * sizeof *first_run);
+    if (first_run) batch->first_run = first_run;
+    struct scree_run *run = realloc(batch->run, (size_t)capacity * sizeof *run);
+    if (run) batch->run = run;
+    int ok = contact && old_contact && pair && yield && first_run && run;
     if (batch->memory) {
         void *kept = realloc(batch->kept, blocks * sizeof *batch->kept);
         if (kept) batch->kept = kept;
@@ -111,8 +115,25 @@ static scree_status add_balls(struct scree_contacts *contacts, const struct scre
     return SCREE_OK;
 }
 
-/* Corners and faces are what two boxes meet with; where they are deep in each other all the same, edge against edge has gone
- * unseen, and the run must not go on as if nothing had happened. */
+/* Edges of two boxes that may touch before the list is made anew. */
+static scree_status add_edges(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                              const struct scree_rule *rule, int ball, int host, scree_trouble *trouble) {
+    struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
+    double clear = scree_cores_apart(&boxes), reach = boxes.rounding_a + boxes.rounding_b;
+    /* Edges that are yet to pass through each other are at no distance when they do. */
+    reach = (clear > 0.0 ? reach : fmax(reach, boxes.deepest)) + contacts->skin;
+    if (clear > reach) return SCREE_OK;
+    scree_status status = SCREE_OK;
+    for (int a = 0; a < SCREE_EDGES && !status; a++)
+        for (int b = 0; b < SCREE_EDGES && !status; b++) {
+            struct scree_contact contact = {ball, host, scree_crossing_code(a, b)};
+            if (scree_edges_apart(&boxes, a, b) <= reach) status = add(batch, &contact, trouble);
+        }
+    return status;
+}
+
+/* Two boxes that are deep in each other, whatever their contacts say of it: the run must not go on as if nothing had happened. */
 static void note_depth(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
@@ -134,7 +155,8 @@ static scree_status add_pair(struct scree_contacts *contacts, const struct scree
     scree_status status = add_balls(contacts, bodies, rule, i, j, trouble);
     if (b != SCREE_BOX) return status;
     note_depth(contacts, bodies, i, j);
-    return status ? status : add_balls(contacts, bodies, rule, j, i, trouble);
+    if (!status) status = add_balls(contacts, bodies, rule, j, i, trouble);
+    return status ? status : add_edges(contacts, bodies, rule, i, j, trouble);
 }
 
 static int compare(const struct scree_contact *a, const struct scree_contact *b) {
@@ -203,6 +225,21 @@ static void set_pair_constants(const struct scree_contacts *contacts, const stru
     }
 }
 
+/* The runs of a sorted batch of edges on edges. */
+static void find_runs(const struct scree_bodies *bodies, struct scree_batch *batch) {
+    const struct scree_contact *contact = batch->contact;
+    batch->runs = 0;
+    for (int k = 0; k < batch->count; k++) {
+        int same = k > 0 && contact[k].ball == contact[k - 1].ball && contact[k].host == contact[k - 1].host;
+        if (!same) {
+            struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact[k].ball, contact[k].host);
+            double clear = scree_cores_apart(&boxes) - boxes.rounding_a - boxes.rounding_b;
+            batch->run[batch->runs++] = (struct scree_run){k, clear, scree_first_rectangles(&boxes)};
+        }
+        if (k % SCREE_LANES == 0) batch->first_run[k / SCREE_LANES] = batch->runs - 1;
+    }
+}
+
 static void set_aside(struct scree_batch *batch) {
     struct scree_contact *contact = batch->contact;
     double(*kept)[SCREE_MEMORY][SCREE_LANES] = batch->kept;
@@ -241,6 +278,7 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
         struct scree_batch *batch = &contacts->batch[k];
         if (batch->count) contacts->busy[contacts->busy_batches++] = k;
         sort(batch);
+        if (batch->geometry == SCREE_EDGE_EDGE) find_runs(bodies, batch);
         if (batch->memory || batch->impulses) carry_memory_over(batch);
         set_pair_constants(contacts, bodies, batch);
     }

@@ -10,6 +10,8 @@
 #include "contact/law_list.h"
 #include "contact/meet.h"
 
+#include <string.h>
+
 /* Columns of one block of contacts. */
 struct block {
     double n[3][SCREE_LANES];        /* unit normal, from the host towards the ball */
@@ -64,6 +66,85 @@ static inline void gather_one(const struct scree_bodies *bodies, const struct sc
     b->closing[lane] = closing;
     /* A ball's rotation makes it 3.5 times as soft as its mass, four corners that share a load four times. */
     b->softness[lane] = 4.0 * (ball->inverse_mass + host->inverse_mass);
+}
+
+/* What edges on edges do besides pushing at the middle of their overlap, per newton of the normal force. */
+struct lean {
+    double force[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
+};
+
+/* As gather_one, for an edge on an edge; `lean` may be NULL. */
+static void gather_crossing(const struct scree_bodies *bodies, const struct scree_contact *contact, struct block *b,
+                            int lane, struct lean *lean) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    struct scree_crossing c = scree_cross(bodies, contact);
+    struct vec n = c.meeting.normal, apart = vec_sub(vec_from(ball->x), vec_from(host->x));
+    struct vec between = vec_sub(vec_from(ball->v), vec_from(host->v)), host_arm = vec_add(c.point, apart);
+    struct vec velocity = vec_add(between, vec_cross(vec_from(ball->w), c.point));
+    velocity = vec_sub(velocity, vec_cross(vec_from(host->w), host_arm));
+    put(b->n, lane, n);
+    put(b->arm, lane, c.point);
+    put(b->apart, lane, apart);
+    put(b->slip, lane, vec_axpy(velocity, -vec_dot(velocity, n), n));
+    b->overlap[lane] = c.meeting.overlap;
+    b->touching[lane] = c.meeting.overlap > 0.0 ? 1.0 : 0.0;
+    b->limit[lane] = ball->limit < host->limit ? ball->limit : host->limit;
+    b->closing[lane] =
+        -vec_dot(c.force, between) - vec_dot(c.turn_a, vec_from(ball->w)) - vec_dot(c.turn_b, vec_from(host->w));
+    b->softness[lane] = 4.0 * (ball->inverse_mass + host->inverse_mass);
+    if (!lean) return;
+    put(lean->force, lane, vec_sub(c.force, n));
+    put(lean->turn_ball, lane, vec_sub(c.turn_a, vec_cross(c.point, n)));
+    put(lean->turn_host, lane, vec_add(c.turn_b, vec_cross(host_arm, n)));
+}
+
+/* Whether two boxes may touch edge on edge in this step. Where they can't, all would come out as zero. */
+static int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                     const struct scree_run *run) {
+    const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
+    if (2.0 * (a->path + b->path) < run->clear) return 0; /* twice: the step's own way, wherever it is within it */
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    return !scree_meet_as_rectangles(&boxes, run->first);
+}
+
+static void gather_nothing(struct block *b, int lane, struct lean *lean) {
+    struct vec zero = {0.0, 0.0, 0.0};
+    put(b->n, lane, vec(0.0, 0.0, 1.0));
+    put(b->arm, lane, zero);
+    put(b->apart, lane, zero);
+    put(b->slip, lane, zero);
+    b->overlap[lane] = SCREE_OUTSIDE;
+    b->touching[lane] = b->closing[lane] = b->softness[lane] = 0.0;
+    b->limit[lane] = 1.0;
+    put(lean->force, lane, zero);
+    put(lean->turn_ball, lane, zero);
+    put(lean->turn_host, lane, zero);
+}
+
+/* Returns 0 if nothing can touch; then nothing is gathered. */
+static int gather_crossings(const struct scree_bodies *bodies, const struct scree_batch *batch, int block, int count,
+                            struct block *b, struct lean *lean) {
+    int start = block * SCREE_LANES, first = batch->first_run[block], runs = 0, any = 0, may[SCREE_LANES];
+    for (; first + runs < batch->runs && batch->run[first + runs].start < start + count; runs++) {
+        const struct scree_run *run = &batch->run[first + runs];
+        any |= may[runs] = may_cross(bodies, &batch->contact[run->start], run);
+    }
+    if (!any) return 0;
+    for (int lane = 0, run = 0; lane < padded(count); lane++) {
+        if (run + 1 < runs && start + lane == batch->run[first + run + 1].start) run++;
+        if (lane < count && may[run])
+            gather_crossing(bodies, &batch->contact[start + lane], b, lane, lean);
+        else
+            gather_nothing(b, lane, lean);
+    }
+    return 1;
+}
+
+/* A block without touch: laws forget what they have kept. */
+static void stay_silent(const struct scree_batch *batch, int block) {
+    struct scree_yield *yield = &batch->yield[block];
+    yield->lost_normal = yield->work_tangential = 0.0;
+    if (batch->memory) memset(batch->kept[block], 0, sizeof *batch->kept);
 }
 
 static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
@@ -311,20 +392,58 @@ static void act_turning(const struct scree_contacts *contacts, const struct scre
     for (int k = 0; contacts->measured && k < count; k++) yield->work_tangential += step * t.power[k];
 }
 
+/* The rest of what edges on edges do, on top of what the middle of the overlap yields. */
+static void act_leaning(const struct block *b, const struct lean *lean, int count, double step,
+                        struct scree_yield *yield) {
+    for (int axis = 0; axis < 3; axis++)
+        for (int k = 0; k < count; k++) {
+            double f = step * b->force[k];
+            if (f == 0.0) continue;
+            yield->impulse[axis][k] += f * lean->force[axis][k];
+            yield->turn_ball[axis][k] += f * lean->turn_ball[axis][k];
+            yield->turn_host[axis][k] += f * lean->turn_host[axis][k];
+        }
+}
+
+/* From the gathered columns to the yield. */
+static inline void act_gathered(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                const struct scree_batch *batch, int block, struct block *b, double step) {
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    int count = contacts_in_block(batch, block), friction = rule->friction >= 0;
+    double(*pair)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
+    double(*kept)[SCREE_LANES] = batch->memory ? batch->kept[block] : NULL;
+    normal_passes[rule->normal](b, count, &rule->normal_constants, pair, kept, step);
+    if (friction) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
+    write_yield(b, count, step, friction, batch->any_turns, batch->slope, &batch->yield[block]);
+    int snaps = scree_normal_laws[rule->normal]->reach != NULL;
+    if (contacts->measured) measure_losses(b, count, step, friction, snaps, &batch->yield[block]);
+    if (rule->rolling >= 0) act_turning(contacts, bodies, batch, block, b, step);
+}
+
+/* A block of edges on edges. */
+static void act_edges(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_batch *batch, int block, double step) {
+    struct block b;
+    struct lean lean;
+    int count = contacts_in_block(batch, block);
+    batch->yield[block].silent = !gather_crossings(bodies, batch, block, count, &b, &lean);
+    if (batch->yield[block].silent) {
+        stay_silent(batch, block);
+        return;
+    }
+    act_gathered(contacts, bodies, batch, block, &b, step);
+    act_leaning(&b, &lean, count, step, &batch->yield[block]);
+}
+
 static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                       const struct scree_batch *batch, int block, double step) {
     struct block b;
-    const struct scree_rule *rule = &contacts->rule[batch->rule];
-    int count = contacts_in_block(batch, block), friction = rule->friction >= 0;
-    gather(bodies, batch->contact + block * SCREE_LANES, count, batch->geometry, &b);
-    double(*pair)[SCREE_LANES] = batch->pair[batch->uniform ? 0 : block];
-    double(*kept)[SCREE_LANES] = batch->memory ? batch->kept[block] : NULL;
-    normal_passes[rule->normal](&b, count, &rule->normal_constants, pair, kept, step);
-    if (friction) friction_passes[rule->friction](&b, count, &rule->friction_constants, pair, kept, step);
-    write_yield(&b, count, step, friction, batch->any_turns, batch->slope, &batch->yield[block]);
-    int snaps = scree_normal_laws[rule->normal]->reach != NULL;
-    if (contacts->measured) measure_losses(&b, count, step, friction, snaps, &batch->yield[block]);
-    if (rule->rolling >= 0) act_turning(contacts, bodies, batch, block, &b, step);
+    if (batch->geometry == SCREE_EDGE_EDGE) {
+        act_edges(contacts, bodies, batch, block, step);
+        return;
+    }
+    gather(bodies, batch->contact + block * SCREE_LANES, contacts_in_block(batch, block), batch->geometry, &b);
+    act_gathered(contacts, bodies, batch, block, &b, step);
 }
 
 static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
@@ -352,6 +471,7 @@ static inline void collect(struct scree_contacts *contacts, struct scree_bodies 
                            const struct scree_batch *batch, int block) {
     const struct scree_contact *contact = batch->contact + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
+    if (batch->geometry == SCREE_EDGE_EDGE && yield->silent) return;
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
         add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));
         note(yield->depth[lane], &contact[lane], &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
@@ -438,7 +558,10 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     int block = index / SCREE_LANES, lane = index % SCREE_LANES;
     struct block b;
-    gather(bodies, contact, 1, batch->geometry, &b);
+    if (batch->geometry == SCREE_EDGE_EDGE)
+        gather_crossing(bodies, contact, &b, 0, NULL);
+    else
+        gather(bodies, contact, 1, batch->geometry, &b);
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct scree_pressing pressing = {b.overlap[0], b.closing[0], 0.0, 0.0};
     double(*kept)[SCREE_LANES] = batch->memory ? batch->kept[block] : NULL;
@@ -459,6 +582,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     pressing.first = f.first;
     pressing.second = f.second;
     *touch = (struct scree_touch){.ball = contact->ball, .host = contact->host, .corner = contact->corner};
+    touch->edges = batch->geometry == SCREE_EDGE_EDGE;
     touch->overlap = b.overlap[0];
     touch->closing = b.closing[0];
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;

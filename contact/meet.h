@@ -3,7 +3,6 @@
 #define SCREE_CONTACT_MEET_H
 
 #include "contact/contacts.h"
-#include "contact/geometry.h"
 
 /* Normal and overlap of a contact whose ball's centre is at `centre`. */
 static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
@@ -19,6 +18,29 @@ static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies,
         return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
                                     scree_thickness(ball));
     return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
+}
+
+/* The code of two edges in scree_contact.corner; above 0. */
+static inline int scree_crossing_code(int edge_of_ball, int edge_of_host) {
+    return 1 + edge_of_ball * SCREE_EDGES + edge_of_host;
+}
+
+static inline struct scree_two_boxes scree_two_boxes_of(const struct scree_bodies *bodies, int ball, int host) {
+    const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
+    return (struct scree_two_boxes){&bodies->attitude[bodies->slot[ball]],
+                                    &bodies->attitude[bodies->slot[host]],
+                                    vec_sub(vec_from(a->x), vec_from(b->x)),
+                                    a->radius,
+                                    b->radius,
+                                    2.0 * fmin(a->limit, b->limit)};
+}
+
+/* A contact of two edges. */
+static inline struct scree_crossing scree_cross(const struct scree_bodies *bodies,
+                                                const struct scree_contact *contact) {
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    int code = contact->corner - 1;
+    return scree_meet_edges(&boxes, code / SCREE_EDGES, code % SCREE_EDGES);
 }
 
 /* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. The

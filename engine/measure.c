@@ -108,6 +108,7 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
 static scree_contact_state contact_state(const scree_scene *scene, const struct scree_touch *touch) {
     scree_contact_state state = {.ball = touch->ball, .host = touch->host, .sliding = touch->sliding};
     state.corner = touch->corner ? touch->corner - 1 - 8 * scene->bodies.slot[touch->ball] : -1;
+    if (touch->edges) state.corner = 7 + touch->corner;
     vec_store(touch->point, state.point);
     vec_store(touch->normal, state.normal);
     vec_store(touch->slip, state.slip);
