@@ -12,6 +12,7 @@ int bench_plan(int count, char **words);
 int bench_precision(int count, char **words);
 int bench_stability(int count, char **words);
 int bench_stress(int count, char **words);
+int bench_collide(int count, char **words);
 
 /* Seconds on a clock that only runs forward. */
 double bench_now(void);
