@@ -89,15 +89,17 @@ static long try_pairs(int kind, long pairs, uint64_t seed, int threads) {
 static const struct {
     const char *name;
     struct impact_kind kind;
-} impacts[] = {{"elastic", {0.2, 50, 0.5, "damping = 0", ""}},
-               {"elastic", {0.2, 100, 0.5, "damping = 0", ""}},
-               {"elastic", {0.2, 200, 0.5, "damping = 0", ""}},
-               {"elastic", {1.0, 100, 0.5, "damping = 0", ""}},
-               {"elastic", {0.02, 100, 0.5, "damping = 0", ""}},
-               {"e = 0.6", {0.2, 50, 0.5, "restitution = 0.6", ""}},
-               {"e = 0.6 and friction", {0.2, 50, 0.5, "restitution = 0.6", SLIDES}},
-               {"elastic", {0.0, 100, 0.0, "damping = 0", ""}},
-               {"e = 0.6", {0.0, 100, 0.0, "restitution = 0.6", ""}}};
+} impacts[] = {{"elastic", {0.2, 50, 0.5, "damping = 0", "", NULL}},
+               {"elastic", {0.2, 100, 0.5, "damping = 0", "", NULL}},
+               {"elastic", {0.2, 200, 0.5, "damping = 0", "", NULL}},
+               {"elastic, pair-impulse", {0.2, 50, 0.5, "damping = 0", "", "pair-impulse"}},
+               {"elastic, pair-impulse", {0.2, 200, 0.5, "damping = 0", "", "pair-impulse"}},
+               {"elastic", {1.0, 100, 0.5, "damping = 0", "", NULL}},
+               {"elastic", {0.02, 100, 0.5, "damping = 0", "", NULL}},
+               {"e = 0.6", {0.2, 50, 0.5, "restitution = 0.6", "", NULL}},
+               {"e = 0.6 and friction", {0.2, 50, 0.5, "restitution = 0.6", SLIDES, NULL}},
+               {"elastic", {0.0, 100, 0.0, "damping = 0", "", NULL}},
+               {"e = 0.6", {0.0, 100, 0.0, "restitution = 0.6", "", NULL}}};
 
 enum { IMPACTS = sizeof impacts / sizeof impacts[0] };
 

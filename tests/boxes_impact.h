@@ -15,6 +15,7 @@ struct impact_kind {
     double depth; /* largest overlap to be expected over the sum of roundings (0.02 of the shortest edge if sharp) */
     const char *damping; /* parameters of "linear-cut" besides the stiffness */
     const char *more;    /* of the contact; may be "" */
+    const char *method;  /* integrator; NULL: verlet */
 };
 
 struct impact_result {
@@ -61,12 +62,12 @@ static inline scree_scene *impact_scene(uint64_t *seed, const struct impact_kind
     double deep = roundings > 0.0 ? fmin(kind->depth * roundings, 0.1 * thin) : 0.02 * thin;
     double stiffness = mass / (deep * deep), contact = 3.14159265358979 * deep, step = contact / kind->steps;
     char text[4096];
-    int used =
-        snprintf(text, sizeof text,
-                 "[time]\nend = 1.0\nstep = %.17g\nforce = true\n[output]\nwrite = [\"energy.csv\"]\n[[material]]\n"
-                 "name = \"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = "
-                 "\"linear-cut\", stiffness = %.17g, %s }\n%s\n",
-                 step, stiffness, kind->damping, kind->more);
+    int used = snprintf(text, sizeof text,
+                        "[time]\nend = 1.0\nintegrator = \"%s\"\nstep = %.17g\nforce = true\n[output]\nwrite = "
+                        "[\"energy.csv\"]\n[[material]]\n"
+                        "name = \"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = "
+                        "\"linear-cut\", stiffness = %.17g, %s }\n%s\n",
+                        kind->method ? kind->method : "verlet", step, stiffness, kind->damping, kind->more);
     struct vec velocity = vec_axpy(vec_scale(-1.0, way), 0.3, off), zero = {0.0, 0.0, 0.0};
     used = impact_write(text, sizeof text, used, 0, first, rounding_a, q, pair.boxes.apart, velocity, spin_a);
     impact_write(text, sizeof text, used, 1, second, rounding_b, p, zero, zero, spin_b);
