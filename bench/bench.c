@@ -33,7 +33,7 @@ static const struct {
                   {"laws", bench_laws},           {"lm", bench_lm},
                   {"plan", bench_plan},           {"precision", bench_precision},
                   {"stability", bench_stability}, {"stress", bench_stress},
-                  {"collide", bench_collide}};
+                  {"collide", bench_collide},     {"boxes", bench_boxes}};
 
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };
 
