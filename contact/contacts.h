@@ -6,9 +6,9 @@
  *   loop         blocks of contacts through short passes; impulses into the bodies (loop.c)
  *
  * A contact is a ball (a sphere, or the corner of a rounded box) on a partner: another ball, a plane, a rectangle
- * or a box; or an edge on an edge (crossing.h). Whatever it is, it becomes a normal, an overlap and two arms, and goes through the
- * same laws. Every
- * listed contact is computed, those out of touch give zero, so the result doesn't depend on when lists are made. */
+ * or a box; or an edge on an edge (crossing.h). Whatever it is, it becomes a normal, an overlap and two arms, and goes
+ * through the same laws. Every listed contact is computed, or known to give zero, as those out of touch do: so the result
+ * doesn't depend on when lists are made. */
 #ifndef SCREE_CONTACT_CONTACTS_H
 #define SCREE_CONTACT_CONTACTS_H
 
@@ -37,7 +37,8 @@ enum scree_geometry {
 };
 
 /* One contact: ball on body `ball`, partner body `host`; `corner` is a row of the bodies' corner table (0: the ball is the
- * body's centre), or with SCREE_EDGE_EDGE tells both edges (scree_crossing_code). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next list. */
+ * body's centre), or with SCREE_EDGE_EDGE tells both edges (scree_crossing_code). Lists are sorted by (ball, host, corner),
+ * which is also what tells a contact again in the next list. */
 struct scree_contact {
     int ball, host, corner;
 };
@@ -62,11 +63,9 @@ struct scree_moments {
 
 /* The contacts of two boxes edge on edge, a run of their batch. */
 struct scree_run {
-    int start; /* its first contact in the batch */
-    /* How far the boxes may move, m, their ways since the list added up, and not touch so; where to look first whether corners bear
-     * all. */
-    double clear;
-    struct scree_rectangles first;
+    int start;    /* its first contact in the batch */
+    double clear; /* how far the boxes may move, m, their ways since the list added up, and not touch */
+    struct scree_rectangles first; /* where to look first whether corners bear all */
 };
 
 /* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. */

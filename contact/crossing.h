@@ -29,9 +29,9 @@ struct scree_two_boxes {
 
 enum { SCREE_EDGES = 12 }; /* 4 along each axis; bits of the rest: the signs along the two axes that follow it */
 
-/* Where two edges meet, seen from a: unit normal towards a, overlap q (not positive: they don't touch; 0 where a corner is
- * as deep), middle of the overlap from the
- * centre of a, and what one newton of the law does to both bodies: force on a (the opposite on b), torques about their centres. */
+/* Where two edges meet, seen from a: unit normal towards a, overlap q (not positive: they don't touch; 0 where a corner is as deep),
+ * middle of the overlap from the centre of a, and what one newton of the law does to both bodies, the gradient of q: force on a (the
+ * opposite on b), torques about their centres. */
 struct scree_crossing {
     struct scree_meeting meeting;
     struct vec point, force, turn_a, turn_b;

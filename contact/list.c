@@ -226,7 +226,9 @@ static void set_pair_constants(const struct scree_contacts *contacts, const stru
 }
 
 /* The runs of a sorted batch of edges on edges. */
-static void find_runs(const struct scree_bodies *bodies, struct scree_batch *batch) {
+static void find_runs(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      struct scree_batch *batch) {
+    int holds_on = scree_normal_laws[contacts->rule[batch->rule].normal]->reach != NULL; /* beyond touch */
     const struct scree_contact *contact = batch->contact;
     batch->runs = 0;
     for (int k = 0; k < batch->count; k++) {
@@ -234,7 +236,7 @@ static void find_runs(const struct scree_bodies *bodies, struct scree_batch *bat
         if (!same) {
             struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact[k].ball, contact[k].host);
             double clear = scree_cores_apart(&boxes) - boxes.rounding_a - boxes.rounding_b;
-            batch->run[batch->runs++] = (struct scree_run){k, clear, scree_first_rectangles(&boxes)};
+            batch->run[batch->runs++] = (struct scree_run){k, holds_on ? 0.0 : clear, scree_first_rectangles(&boxes)};
         }
         if (k % SCREE_LANES == 0) batch->first_run[k / SCREE_LANES] = batch->runs - 1;
     }
@@ -278,7 +280,7 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
         struct scree_batch *batch = &contacts->batch[k];
         if (batch->count) contacts->busy[contacts->busy_batches++] = k;
         sort(batch);
-        if (batch->geometry == SCREE_EDGE_EDGE) find_runs(bodies, batch);
+        if (batch->geometry == SCREE_EDGE_EDGE) find_runs(contacts, bodies, batch);
         if (batch->memory || batch->impulses) carry_memory_over(batch);
         set_pair_constants(contacts, bodies, batch);
     }

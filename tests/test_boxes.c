@@ -28,6 +28,51 @@ static void test_collider(void) {
     CHECK(count.touching > 50000);
 }
 
+/* Turn box a, or b, by a little about an axis, or shift a; what q becomes. */
+static double moved_overlap(struct oracle_pair pair, int what, int axis, double by, int edges) {
+    struct vec unit = vec(axis == 0, axis == 1, axis == 2);
+    struct scree_attitude *turned = what == 1 ? &pair.a : &pair.b;
+    pair.boxes.a = &pair.a;
+    pair.boxes.b = &pair.b;
+    if (what == 0) pair.boxes.apart = vec_axpy(pair.boxes.apart, by, unit);
+    for (int k = 0; what > 0 && k < 3; k++) {
+        struct vec *column = &turned->frame.column[k];
+        struct vec aside = vec_cross(unit, *column);
+        *column = vec_add(vec_axpy(*column, sin(by), aside), vec_scale(1.0 - cos(by), vec_cross(unit, aside)));
+    }
+    return scree_meet_edges(&pair.boxes, edges / SCREE_EDGES, edges % SCREE_EDGES).meeting.overlap;
+}
+
+/* What an edge on an edge does is the gradient of its overlap, also where corners share in it. */
+static void test_gradient(void) {
+    const double by = 1e-6;
+    uint64_t seed = 99;
+    int crossings = 0, shared = 0;
+    for (int k = 0; k < 4000; k++) {
+        struct oracle_pair pair;
+        oracle_random_pair(&pair, &seed, 0.5, 0.9);
+        for (int e = 0; e < SCREE_EDGES * SCREE_EDGES; e++) {
+            struct scree_crossing c = scree_meet_edges(&pair.boxes, e / SCREE_EDGES, e % SCREE_EDGES);
+            struct vec across =
+                vec_cross(pair.a.frame.column[e / SCREE_EDGES / 4], pair.b.frame.column[e % SCREE_EDGES / 4]);
+            /* Edges that are nearly parallel turn their normal fast: no difference quotient follows. */
+            if (!(c.meeting.overlap > 1e-4) || vec_norm(across) < 0.05) continue;
+            crossings++;
+            shared += vec_norm(vec_sub(c.force, c.meeting.normal)) > 0.05;
+            const struct vec gradient[3] = {c.force, c.turn_a, c.turn_b};
+            for (int what = 0; what < 3; what++)
+                for (int axis = 0; axis < 3; axis++) {
+                    double slope = (moved_overlap(pair, what, axis, by, e) - moved_overlap(pair, what, axis, -by, e));
+                    double is = axis == 0 ? gradient[what].x : axis == 1 ? gradient[what].y : gradient[what].z;
+                    /* Moving away from the other box, or turning, as the gradient says, makes q smaller. Half a curvature of up to
+                     * 1/(1e-3 m) times the shift, where a corner begins to share. */
+                    NEAR(-0.5 * slope / by, is, 1e-3);
+                }
+        }
+    }
+    CHECK(crossings > 1000 && shared > 100);
+}
+
 /* ---- energy ---- */
 
 struct energies {
@@ -372,6 +417,7 @@ static void test_corner_impact(void) {
 
 int main(void) {
     test_collider();
+    test_gradient();
     test_elastic_impacts();
     test_lossy_impacts();
     test_crossed_faces();
