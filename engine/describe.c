@@ -101,7 +101,7 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
 
 static void describe_near(const scree_scene *scene, FILE *file) {
     static const char *const names[SCREE_GEOMETRIES] = {"ball on ball", "ball on plane", "ball on rectangle",
-                                                        "ball on box"};
+                                                        "ball on box", "edge on edge"};
     long near[SCREE_GEOMETRIES] = {0};
     for (int b = 0; b < scene->contacts.batches; b++)
         near[scene->contacts.batch[b].geometry] += scene->contacts.batch[b].count;
