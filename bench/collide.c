@@ -16,7 +16,8 @@ static const char help[] =
     "(nearest point\n"
     "of a zonotope). Columns: pair, rounding of the boxes over half their thickness, depth over the sum of roundings "
     "up to\n"
-    "which they go (0: half-way in), pairs, of them touching, touching edge on edge alone; contacts where there is "
+    "which they go (0: 0.49 of the thickness), pairs, of them touching, touching edge on edge alone; contacts where "
+    "there is "
     "none\n"
     "(phantoms), touching pairs without a contact (missed), contacts deeper than the truth, and by how much at most "
     "(m).\n"
@@ -92,8 +93,8 @@ static const struct {
 } impacts[] = {{"elastic", {0.2, 50, 0.5, "damping = 0", "", NULL}},
                {"elastic", {0.2, 100, 0.5, "damping = 0", "", NULL}},
                {"elastic", {0.2, 200, 0.5, "damping = 0", "", NULL}},
-               {"elastic, pair-impulse", {0.2, 50, 0.5, "damping = 0", "", "pair-impulse"}},
-               {"elastic, pair-impulse", {0.2, 200, 0.5, "damping = 0", "", "pair-impulse"}},
+               {"elastic by pair-impulse", {0.2, 50, 0.5, "damping = 0", "", "pair-impulse"}},
+               {"elastic by pair-impulse", {0.2, 200, 0.5, "damping = 0", "", "pair-impulse"}},
                {"elastic", {1.0, 100, 0.5, "damping = 0", "", NULL}},
                {"elastic", {0.02, 100, 0.5, "damping = 0", "", NULL}},
                {"e = 0.6", {0.2, 50, 0.5, "restitution = 0.6", "", NULL}},

@@ -184,7 +184,7 @@ static inline void oracle_bring_together(struct oracle_pair *pair, struct vec wa
     }
 }
 
-/* A pair of boxes whose overlap, or gap, is random: up to half of the thinner one deep (`deepest` of the roundings instead, if that
+/* A pair of boxes whose overlap, or gap, is random: up to 0.49 of the thinner one deep (`deepest` of the roundings instead, if that
  * isn't 0). Every fourth pair has an axis in common, or nearly. `roundness` is the rounding in parts of half the shortest edge. */
 static inline void oracle_random_pair(struct oracle_pair *pair, uint64_t *seed, double roundness, double deepest) {
     int first = (int)(ORACLE_SHAPES * oracle_random(seed)), second = (int)(ORACLE_SHAPES * oracle_random(seed));
@@ -204,7 +204,7 @@ static inline void oracle_random_pair(struct oracle_pair *pair, uint64_t *seed, 
     oracle_box(&pair->b, second, rounding_b, p);
     pair->boxes =
         (struct scree_two_boxes){&pair->a, &pair->b, vec(0.0, 0.0, 0.0), rounding_a, rounding_b, 0.5 * pair->thinnest};
-    double most = deepest > 0.0 ? deepest * (rounding_a + rounding_b) : 0.5 * pair->thinnest;
+    double most = deepest > 0.0 ? deepest * (rounding_a + rounding_b) : 0.49 * pair->thinnest;
     double share = oracle_random(seed);
     double wanted = share < 0.2 ? -most * share : most * pow(10.0, -4.0 * (share - 0.2));
     oracle_bring_together(pair, oracle_direction(seed), wanted);
