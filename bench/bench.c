@@ -25,6 +25,8 @@ static const char help[] =
     "once\n"
     "  stability where a step is stable and right, over step and damping, for several laws; beside theory\n"
     "  stress    extreme masses, stiffnesses, sizes, speeds, stacks, long rests: what happens, and what is said of it\n"
+    "  collide   contacts of boxes against an exact distance, and energy of their impacts, for millions of random "
+    "pairs\n"
     "\n"
     "Results are CSV on standard output. `scree-bench BENCHMARK --help` tells more.\n";
 
@@ -35,7 +37,8 @@ static const struct {
     {"process", bench_process},     {"hot", bench_hot},     {"impact", bench_impact},
     {"laws", bench_laws},           {"lm", bench_lm},       {"plan", bench_plan},
     {"precision", bench_precision}, {"skips", bench_skips}, {"stability", bench_stability},
-    {"stress", bench_stress},       {"look", bench_look},
+    {"stress", bench_stress},       {"look", bench_look},   {"collide", bench_collide},
+    {"boxes", bench_boxes},
 };
 
 enum { BENCHMARKS = sizeof benchmarks / sizeof benchmarks[0] };

@@ -15,6 +15,8 @@ int bench_precision(int count, char **words);
 int bench_skips(int count, char **words);
 int bench_stability(int count, char **words);
 int bench_stress(int count, char **words);
+int bench_collide(int count, char **words);
+int bench_boxes(int count, char **words);
 
 /* Seconds on a clock that only runs forward. */
 double bench_now(void);

@@ -38,6 +38,7 @@ static inline void collect(struct scree_contacts *contacts, struct scree_bodies 
                            const struct scree_batch *batch, int block) {
     const struct scree_contact *contact = batch->contact + batch->segment[0].first + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
+    if (batch->geometry == SCREE_EDGE_EDGE && yield->silent) return;
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
         int ball = bodies->number[contact[lane].ball], host = bodies->number[contact[lane].host];
         add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));

@@ -220,4 +220,71 @@ static void gather(const struct scree_bodies *bodies, const struct scree_contact
     move_all(count, 1, b);
 }
 
+/* ---- edges on edges ---- */
+
+/* What they do besides pushing at the middle of their overlap, per newton of the normal force. */
+struct lean {
+    double force[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
+};
+
+/* What can't touch, or is padding. */
+static void gather_nothing(struct block *b, int lane, struct lean *lean) {
+    struct vec zero = {0.0, 0.0, 0.0};
+    put(b->n, lane, vec(0.0, 0.0, 1.0));
+    put(b->arm, lane, zero);
+    put(b->slip, lane, zero);
+    b->overlap[lane] = SCREE_OUTSIDE;
+    b->touching[lane] = b->closing[lane] = 0.0;
+    put(lean->force, lane, zero);
+    put(lean->turn_ball, lane, zero);
+    put(lean->turn_host, lane, zero);
+}
+
+static void gather_crossing(const struct scree_bodies *bodies, const struct scree_contact *contact, struct block *b,
+                            int lane, struct lean *lean) {
+    struct scree_crossing c = scree_cross(bodies, contact);
+    struct scree_gait gait = scree_gait_on_edges(bodies, contact, &c);
+    struct vec n = c.meeting.normal, host_arm = vec_add(c.point, get(b->shift, lane));
+    put(b->n, lane, n);
+    put(b->arm, lane, gait.arm);
+    put(b->slip, lane, gait.slip);
+    b->overlap[lane] = c.meeting.overlap;
+    b->touching[lane] = c.meeting.overlap > 0.0 ? 1.0 : 0.0;
+    b->closing[lane] = gait.closing;
+    put(lean->force, lane, vec_sub(c.force, n));
+    put(lean->turn_ball, lane, vec_sub(c.turn_a, vec_cross(c.point, n)));
+    put(lean->turn_host, lane, vec_add(c.turn_b, vec_cross(host_arm, n)));
+}
+
+/* Whether two boxes may touch edge on edge in this step. Where they can't, all would come out as zero. */
+static int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                     const struct scree_run *run) {
+    const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
+    double way = a->path + b->path - run->from;
+    if (2.0 * way < run->clear) return 0; /* twice: the step's own way, wherever it is within it */
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    return !scree_meet_as_rectangles(&boxes, run->first);
+}
+
+/* Contacts first … first + count - 1 of segment 0, a block of it. Returns 0 if nothing can touch; then nothing is gathered. */
+static int gather_crossings(const struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
+                            struct block *b, struct lean *lean) {
+    const struct scree_contact *contact = batch->contact + batch->segment[0].first;
+    int start = first - batch->segment[0].first, first_run = batch->first_run[start / SCREE_LANES];
+    int runs = 0, any = 0, may[SCREE_LANES];
+    const struct scree_run *run = batch->run + first_run;
+    for (; first_run + runs < batch->runs && run[runs].start < start + count; runs++)
+        any |= may[runs] = may_cross(bodies, &contact[run[runs].start], &run[runs]);
+    if (!any) return 0;
+    fetch(bodies, contact + start, count, b);
+    for (int lane = 0, own = 0; lane < padded(count); lane++) {
+        if (own + 1 < runs && start + lane == run[own + 1].start) own++;
+        if (lane < count && may[own])
+            gather_crossing(bodies, &contact[start + lane], b, lane, lean);
+        else
+            gather_nothing(b, lane, lean);
+    }
+    return 1;
+}
+
 #endif

@@ -29,7 +29,7 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
                     (unsigned char)(m < SCREE_KEPT_NORMAL    ? law && law->memory
                                     : m < SCREE_KEPT_ROLLING ? scree_normal_laws[rules[rule].normal]->memory
                                                              : rolling && rolling->memory);
-            batch->turns = law || rolling || geometry == SCREE_BALL_BOX;
+            batch->turns = law || rolling || geometry == SCREE_BALL_BOX || geometry == SCREE_EDGE_EDGE;
             batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
             if (rolling) batch->slope += rolling->slope(&rules[rule].rolling_constants);
             contacts->batch_of[rule * SCREE_GEOMETRIES + geometry] = contacts->batches++;
@@ -90,6 +90,8 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) free(batch->pair[m]);
         for (int m = 0; m < SCREE_MEMORY; m++) free(batch->kept[m]);
         for (int m = 0; m < SCREE_PAST; m++) free(batch->past[m]);
+        free(batch->run);
+        free(batch->first_run);
     }
     scree_contacts_free_scratch(contacts);
     free(contacts->index);
@@ -130,5 +132,6 @@ double scree_effective_mass(const struct scree_bodies *bodies, int i, int j) {
 
 double scree_effective_radius(const struct scree_bodies *bodies, int ball, int host, enum scree_geometry geometry) {
     double r = bodies->record[ball].radius, other = bodies->record[host].radius;
+    if (geometry == SCREE_EDGE_EDGE) return sqrt(r * other); /* crossed cylinders, as if at right angles */
     return geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE ? r * other / (r + other) : r;
 }

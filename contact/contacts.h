@@ -6,13 +6,15 @@
  *   loop         blocks of contacts through short passes; impulses into the bodies (loop.c)
  *
  * A contact is a ball (a sphere, or the corner of a rounded box) on a partner: another ball, a plane, a rectangle
- * or a box. Whatever the partner, it becomes a normal, an overlap and two arms, and goes through the same laws. Every
- * listed contact is computed, those out of touch give zero, so the result doesn't depend on when lists are made. */
+ * or a box; or an edge on an edge (crossing.h). Whatever it is, it becomes a normal, an overlap and two arms, and goes
+ * through the same laws. Every listed contact is computed, or known to give zero, as those out of touch do: so the result
+ * doesn't depend on when lists are made. */
 #ifndef SCREE_CONTACT_CONTACTS_H
 #define SCREE_CONTACT_CONTACTS_H
 
 #include "bodies/bodies.h"
 #include "contact/catalogue.h"
+#include "contact/crossing.h"
 
 #include <stdint.h>
 
@@ -35,11 +37,14 @@ enum scree_geometry {
     SCREE_BALL_RECTANGLE,
     SCREE_BALL_BOX,
     SCREE_BALL_IMAGE, /* a ball on another that stands whole periods off; a batch of its own, so that the others pay nothing */
+    SCREE_EDGE_EDGE,
     SCREE_GEOMETRIES
 };
 
 /* One contact: ball on body `ball`, partner body `host`; `corner` is a row of the bodies' corner table (0: the ball is the
- * body's centre), of SCREE_BALL_IMAGE the code of its periods (scree_code_of, never 0). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next list. */
+ * body's centre), of SCREE_BALL_IMAGE the code of its periods (scree_code_of, never 0), of SCREE_EDGE_EDGE that of both edges
+ * (scree_crossing_code, never 0). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next
+ * list. */
 struct scree_contact {
     int ball, host, corner;
 };
@@ -50,6 +55,7 @@ struct scree_yield {
     double depth[SCREE_LANES]; /* overlap over the largest tolerable overlap */
     double
         steep[SCREE_LANES]; /* step x slope of the friction law x normal force x softness: friction chatters beyond 1 */
+    int silent;             /* only edges on edges: nothing touches, the rest isn't filled in */
     double lost_normal;     /* J dissipated in normal direction during the step (if measured) */
     double work_tangential; /* J done against friction during the step (if measured) */
 };
@@ -66,6 +72,14 @@ struct scree_moments {
 struct scree_part {
     int first, count, capacity;
     int outer_first, outer_count;
+};
+
+/* The contacts of two boxes edge on edge, a run of segment 0 of their batch. */
+struct scree_run {
+    int start;                     /* its first contact, from the segment's first on */
+    double clear;                  /* how far the boxes may move from here on, m, their ways added up, and not touch */
+    double from;                   /* their paths when that was measured, added up, m */
+    struct scree_rectangles first; /* where to look first whether corners bear all */
 };
 
 /* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. What is kept of a
@@ -88,6 +102,10 @@ struct scree_batch {
     double *kept[SCREE_MEMORY];
     struct scree_yield *yield; /* per block of segment 0 */
     int blocks;                /* room for so many */
+    /* Only of edges on edges: the runs, and of each block the run of its first contact. */
+    int runs, run_capacity;
+    struct scree_run *run;
+    int *first_run;
     /* For the pair-impulse method; NULL without it. */
     int impulses;
     double *past[SCREE_PAST];
@@ -250,6 +268,7 @@ void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *
 /* A contact as measured at the instant of the records, without changing anything. Vectors in the world. */
 struct scree_touch {
     int ball, host, corner;
+    int edges;                         /* `corner` is the code of two edges */
     double overlap, closing;           /* m, m/s */
     double normal_force;               /* N */
     double stored, stored_in_friction; /* J, in normal direction; in the springs of friction and rolling */

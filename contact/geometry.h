@@ -60,32 +60,27 @@ static inline struct scree_meeting scree_meet_rectangle(struct vec centre, doubl
     return (struct scree_meeting){mat_apply(frame, vec_scale(1.0 / distance, out)), radius - distance};
 }
 
-/* How far two boxes overlap along a direction of one of them: half-lengths `half` there, the other's projected onto it. */
-static inline double scree_box_reach(struct vec direction, const struct scree_attitude *box) {
-    return fabs(vec_dot(direction, box->frame.column[0])) * box->half[0] +
-           fabs(vec_dot(direction, box->frame.column[1])) * box->half[1] +
-           fabs(vec_dot(direction, box->frame.column[2])) * box->half[2];
+/* How far a core reaches along a direction. */
+static inline double scree_core_reach(struct vec direction, const struct mat *frame, const double half[3]) {
+    return fabs(vec_dot(direction, frame->column[0])) * half[0] + fabs(vec_dot(direction, frame->column[1])) * half[1] +
+           fabs(vec_dot(direction, frame->column[2])) * half[2];
 }
 
-/* The face through which a ball came in whose centre is in the core of a box: where the whole body of the ball is least
- * deep. Axis 0 … 2; `side` receives -1 or 1. */
-static inline int scree_face_of(struct scree_whole whole, struct vec origin, const struct mat *frame,
-                                const double half[3], double *side) {
-    double least = HUGE_VAL;
-    int face = 0;
-    for (int k = 0; k < 3; k++) {
-        double along = vec_dot(frame->column[k], vec_sub(whole.centre, origin));
-        double depth = half[k] - fabs(along) + (whole.box ? scree_box_reach(frame->column[k], whole.box) : 0.0);
-        if (!(depth < least)) continue;
-        least = depth;
-        face = k;
-        *side = along < 0.0 ? -1.0 : 1.0;
-    }
-    return face;
+static inline double scree_box_reach(struct vec direction, const struct scree_attitude *box) {
+    return scree_core_reach(direction, &box->frame, box->half);
 }
+
+/* How deep two cores are in each other, the one seen from the other's centre: the least of the overlaps along the directions that
+ * could separate them; not positive where one does. */
+double scree_cores_depth(struct vec apart, const struct scree_attitude *a, const struct mat *frame,
+                         const double half[3]);
+
+/* A ball whose centre is in the core of a box, at `p` in its axes (boxes.c); `radii` of ball and rounding together. */
+struct scree_meeting scree_meet_core(struct vec p, double radii, struct scree_whole whole, struct vec origin,
+                                     const struct mat *frame, const double half[3]);
 
 /* A box with its core (half-lengths `half`) swept by `rounding`: the nearest point of the core while the centre is outside
- * of it, the face through which the ball's body came while it is inside. */
+ * of it, the face through which the ball's body came while it is inside; then no deeper than what takes the two cores apart. */
 static inline struct scree_meeting scree_meet_box(struct vec centre, double radius, struct scree_whole whole,
                                                   struct vec origin, const struct mat *frame, const double half[3],
                                                   double rounding) {
@@ -93,57 +88,16 @@ static inline struct scree_meeting scree_meet_box(struct vec centre, double radi
     struct vec nearest =
         vec(fmin(fmax(p.x, -half[0]), half[0]), fmin(fmax(p.y, -half[1]), half[1]), fmin(fmax(p.z, -half[2]), half[2]));
     struct vec out = vec_sub(p, nearest);
-    double distance = vec_norm(out), side = 1.0;
+    double distance = vec_norm(out);
     if (distance > 0.0) {
         struct vec n = mat_apply(frame, vec_scale(1.0 / distance, out));
         return (struct scree_meeting){n, radius + rounding - distance};
     }
-    int k = scree_face_of(whole, origin, frame, half, &side);
-    double along = k == 0 ? p.x : k == 1 ? p.y : p.z;
-    return (struct scree_meeting){vec_scale(side, frame->column[k]), radius + rounding + half[k] - side * along};
+    return scree_meet_core(p, radius + rounding, whole, origin, frame, half);
 }
 
-/* The point of a box's core, centred at `centre`, that is nearest to `point`. */
-static inline struct vec scree_nearest_in_box(struct vec centre, const struct scree_attitude *box, struct vec point) {
-    struct vec p = mat_undo(&box->frame, vec_sub(point, centre));
-    const double *h = box->half;
-    struct vec inside = vec(fmin(fmax(p.x, -h[0]), h[0]), fmin(fmax(p.y, -h[1]), h[1]), fmin(fmax(p.z, -h[2]), h[2]));
-    return vec_add(centre, mat_apply(&box->frame, inside));
-}
-
-/* Distance of two cores, by projecting to and fro (Cheney & Goldstein 1959): from above, and close after some rounds. */
-static inline double scree_cores_distance(struct vec apart, const struct scree_attitude *a,
-                                          const struct scree_attitude *b) {
-    struct vec origin = {0.0, 0.0, 0.0}, on_a = apart, on_b = origin;
-    double distance = HUGE_VAL;
-    for (int k = 0; k < 100; k++) {
-        double before = distance;
-        on_b = scree_nearest_in_box(origin, b, on_a);
-        on_a = scree_nearest_in_box(apart, a, on_b);
-        distance = vec_norm(vec_sub(on_a, on_b));
-        if (!(distance < before * (1.0 - 1e-6))) break;
-    }
-    return distance;
-}
-
-/* How deep two rounded boxes are in each other; 0 where they aren't. Cores that overlap: the least of the overlaps along the
- * directions that could separate them (Gottschalk, Lin & Manocha 1996). Cores apart: what the roundings overlap, which no such
- * direction tells where corner is next to corner. */
-static inline double scree_boxes_depth(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b,
-                                       double roundings) {
-    double least = HUGE_VAL;
-    for (int k = 0; k < 15 && least > 0.0; k++) {
-        struct vec direction = k < 3   ? a->frame.column[k]
-                               : k < 6 ? b->frame.column[k - 3]
-                                       : vec_cross(a->frame.column[(k - 6) / 3], b->frame.column[(k - 6) % 3]);
-        double size = vec_norm(direction);
-        if (size < 1e-6) continue; /* parallel edges: the faces say it all */
-        direction = vec_scale(1.0 / size, direction);
-        double depth = scree_box_reach(direction, a) + scree_box_reach(direction, b) + roundings;
-        least = fmin(least, depth - fabs(vec_dot(direction, apart)));
-    }
-    if (least > 0.0 && least < roundings) least = roundings - scree_cores_distance(apart, a, b);
-    return fmax(least, 0.0);
-}
+/* How deep two rounded boxes are in each other; 0 where they aren't. */
+double scree_boxes_depth(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b,
+                         double roundings);
 
 #endif

@@ -502,25 +502,45 @@ struct side {
     struct vec arm; /* from its centre to the contact, m */
     double sign;    /* of the contact's force on it */
     int turns;      /* the contact can turn it */
+    /* Of edges on edges, where a normal force of 1 N pushes elsewhere too (crossing.h): that, and its torque; both for a force of the
+     * ball's sign. */
+    int leans;
+    struct vec n, lean, lean_turn;
 };
 
 static struct side side_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, struct vec arm,
                            double sign, int turns) {
-    return (struct side){&now->record[index],
-                         &bodies->past[index],
-                         vec_from(bodies->inertia[index].inverse_mass),
-                         scree_bodies_inverse_inertia(now, index),
-                         arm,
-                         sign,
-                         turns};
+    return (struct side){.record = &now->record[index],
+                         .past = &bodies->past[index],
+                         .inverse_mass = vec_from(bodies->inertia[index].inverse_mass),
+                         .inverse_inertia = scree_bodies_inverse_inertia(now, index),
+                         .arm = arm,
+                         .sign = sign,
+                         .turns = turns};
+}
+
+/* What a force on the ball at the contact does to a body: force and torque, for the ball's sign. */
+static struct vec force_of(const struct side *side, struct vec force) {
+    return side->leans ? vec_axpy(force, vec_dot(force, side->n), side->lean) : force;
+}
+
+static struct vec torque_of(const struct side *side, struct vec force) {
+    struct vec torque = vec_cross(side->arm, force);
+    return side->leans ? vec_axpy(torque, vec_dot(force, side->n), side->lean_turn) : torque;
+}
+
+/* And what the contact sees of a body that moves, turns so. */
+static struct vec seen(const struct side *side, struct vec moves, struct vec turns) {
+    struct vec at_contact = vec_add(moves, vec_cross(turns, side->arm));
+    if (!side->leans) return at_contact;
+    return vec_axpy(at_contact, vec_dot(side->lean, moves) + vec_dot(side->lean_turn, turns), side->n);
 }
 
 /* Acceleration of the body at the contact per force on the ball there. */
 static struct vec give(const struct side *side, struct vec force) {
-    struct vec along = vec_times(side->inverse_mass, force);
+    struct vec along = vec_times(side->inverse_mass, force_of(side, force));
     if (!side->turns) return along;
-    struct vec turn = mat_apply(&side->inverse_inertia, vec_cross(side->arm, force));
-    return vec_add(along, vec_cross(turn, side->arm));
+    return seen(side, along, mat_apply(&side->inverse_inertia, torque_of(side, force)));
 }
 
 /* What the pair's own past would do to the body, and the rest of the body's past: extrapolated by weight `more`. */
@@ -529,27 +549,45 @@ static struct vec ahead(const double past[2][3], double more) {
 }
 
 static struct vec acceleration(const struct side *side, struct vec own, double more, double step) {
-    struct vec push = vec_axpy(ahead(side->past->f, more), -side->sign, own);
+    struct vec push = vec_axpy(ahead(side->past->f, more), -side->sign, force_of(side, own));
     struct vec twist = ahead(side->past->t, more);
-    if (side->turns) twist = vec_axpy(twist, -side->sign, vec_cross(side->arm, own));
+    if (side->turns) twist = vec_axpy(twist, -side->sign, torque_of(side, own));
     struct vec along = vec_axpy(vec_from(side->past->known), 1.0 / step, vec_times(side->inverse_mass, push));
     struct vec turn = vec_axpy(vec_from(side->past->known_turn), 1.0 / step, mat_apply(&side->inverse_inertia, twist));
-    return vec_add(along, vec_cross(turn, side->arm));
+    return seen(side, along, turn);
 }
 
 /* Geometry of a contact as records have it. */
 struct view {
     struct vec normal, arm, apart;
     double overlap;
+    struct vec lean, turn_ball,
+        turn_host; /* of edges on edges: beyond what the normal force does at the arm, per 1 N */
 };
+
+static struct view view_of_edges(const struct scree_bodies *bodies, const struct scree_contact *contact) {
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    struct scree_crossing c = {.meeting = {vec(0.0, 0.0, 1.0), SCREE_OUTSIDE}};
+    if (!scree_meet_as_rectangles(&boxes, (struct scree_rectangles){0, 0, 1})) c = scree_cross(bodies, contact);
+    struct vec n = c.meeting.normal, apart = boxes.apart;
+    struct view view = {.normal = n, .arm = c.point, .apart = apart, .overlap = c.meeting.overlap};
+    if (!(view.overlap > 0.0)) return view;
+    view.lean = vec_sub(c.force, n);
+    view.turn_ball = vec_sub(c.turn_a, vec_cross(c.point, n));
+    view.turn_host = vec_add(c.turn_b, vec_cross(vec_add(c.point, apart), n));
+    return view;
+}
 
 static struct view view_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
                            enum scree_geometry geometry) {
+    if (geometry == SCREE_EDGE_EDGE) return view_of_edges(bodies, contact);
     const struct scree_record *ball = &bodies->record[contact->ball];
     struct vec corner = scree_corner_of(bodies, contact, geometry);
     struct scree_meeting m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
-    return (struct view){m.normal, vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
-                         scree_apart(bodies, contact, geometry), m.overlap};
+    return (struct view){.normal = m.normal,
+                         .arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
+                         .apart = scree_apart(bodies, contact, geometry),
+                         .overlap = m.overlap};
 }
 
 /* Turn a vector as the normal turns from `a` to `b`. */
@@ -668,12 +706,17 @@ static void write_yield(const struct yield *sum, struct view middle, struct vec 
     struct scree_moments *moments = place.moments;
     int lane = place.lane;
     struct vec host_arm = vec_add(middle.arm, middle.apart);
-    put(yield->impulse, lane, impulse);
-    put(yield->turn_ball, lane, vec_cross(middle.arm, impulse));
-    put(yield->turn_host, lane, vec_cross(impulse, host_arm));
-    put(moments->impulse, lane, moment);
-    put(moments->turn_ball, lane, vec_cross(middle.arm, moment));
-    put(moments->turn_host, lane, vec_cross(moment, host_arm));
+    double j = 0.0, m = 0.0;
+    if (place.batch->geometry == SCREE_EDGE_EDGE) {
+        j = vec_dot(impulse, middle.normal);
+        m = vec_dot(moment, middle.normal);
+    }
+    put(yield->impulse, lane, vec_axpy(impulse, j, middle.lean));
+    put(yield->turn_ball, lane, vec_axpy(vec_cross(middle.arm, impulse), j, middle.turn_ball));
+    put(yield->turn_host, lane, vec_axpy(vec_cross(impulse, host_arm), j, middle.turn_host));
+    put(moments->impulse, lane, vec_axpy(moment, m, middle.lean));
+    put(moments->turn_ball, lane, vec_axpy(vec_cross(middle.arm, moment), m, middle.turn_ball));
+    put(moments->turn_host, lane, vec_axpy(vec_cross(moment, host_arm), m, middle.turn_host));
     keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index));
     keep_past(place.batch, 0, place.index, impulse);
     yield->lost_normal += sum->lost;
@@ -682,6 +725,9 @@ static void write_yield(const struct yield *sum, struct view middle, struct vec 
 
 /* The velocity of the ball against its host at the contact. */
 static struct vec slip_of(const struct side *ball, const struct side *host) {
+    if (ball->leans)
+        return vec_sub(seen(ball, vec_from(ball->record->v), vec_from(ball->record->w)),
+                       seen(host, vec_from(host->record->v), vec_from(host->record->w)));
     struct vec velocity = vec_sub(vec_from(ball->record->v), vec_from(host->record->v));
     velocity = vec_add(velocity, vec_cross(vec_from(ball->record->w), ball->arm));
     return vec_sub(velocity, vec_cross(vec_from(host->record->w), host->arm));
@@ -695,6 +741,13 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
     struct vec normal = vec_scale(2.0 / step, vec_sub(middle.normal, now.normal));
     struct vec gain = vec_cross(vec_from(ball->record->w), arm);
     gain = vec_sub(gain, vec_cross(vec_from(host->record->w), vec_add(arm, apart)));
+    if (ball->leans) {
+        struct vec between = vec_sub(vec_from(ball->record->v), vec_from(host->record->v));
+        double more = vec_dot(vec_sub(middle.lean, now.lean), between) +
+                      vec_dot(vec_sub(middle.turn_ball, now.turn_ball), vec_from(ball->record->w)) +
+                      vec_dot(vec_sub(middle.turn_host, now.turn_host), vec_from(host->record->w));
+        gain = vec_axpy(gain, 2.0 / step * more, now.normal);
+    }
     return vec_sub(gain, vec_cross(vec_cross(now.normal, normal), velocity));
 }
 
@@ -791,6 +844,13 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     int turns = scree_contact_turns(batch, contact);
     struct side ball = side_of(bodies, bodies_now, contact->ball, now.arm, 1.0, turns);
     struct side host = side_of(bodies, bodies_now, contact->host, vec_add(now.arm, now.apart), -1.0, turns);
+    if (batch->geometry == SCREE_EDGE_EDGE) {
+        ball.leans = host.leans = 1;
+        ball.n = host.n = now.normal;
+        ball.lean = host.lean = now.lean;
+        ball.lean_turn = now.turn_ball;
+        host.lean_turn = vec_scale(-1.0, now.turn_host);
+    }
 
     struct pair p = laws_of(contacts, place);
     p.n = now.normal;
@@ -799,7 +859,8 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     struct vec velocity = slip_of(&ball, &host);
     struct instant at = instant_of(&p, place, now, velocity);
     struct yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    if (now.overlap > 0.5 * SCREE_OUTSIDE && p.normal_give > 0.0) {
+    int covered = ball.leans && now.overlap == 0.0; /* corners bear all; the plain normal would foretell a touch */
+    if (now.overlap > 0.5 * SCREE_OUTSIDE && p.normal_give > 0.0 && !covered) {
         double more = extrapolation(&p, &at);
         struct vec last = past_of(batch, 0, place.index);
         struct vec own = vec_axpy(last, more, vec_sub(last, past_of(batch, 1, place.index)));
@@ -807,6 +868,7 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
         p.a = vec_add(p.a, drift(&ball, &host, now, middle, velocity, step));
         sum = act(&p, &at);
     }
+    if (covered) at = (struct instant){.overlap = 0.0};
     keep(&p, place, &at);
     struct vec impulse = turn_along(sum.impulse, now.normal, middle.normal);
     write_yield(&sum, middle, impulse, turn_along(sum.moment, now.normal, middle.normal), place);
@@ -823,6 +885,7 @@ static int contacts_in_block(const struct scree_batch *batch, int block) {
 static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
     batch->yield[block].lost_normal = batch->yield[block].work_tangential = 0.0;
+    batch->yield[block].silent = 0;
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
         int index = batch->segment[0].first + block * SCREE_LANES + lane;
         impel(contacts, bodies, now, (struct place){batch, index, lane, &batch->yield[block], &batch->moments[block]},

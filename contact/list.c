@@ -105,8 +105,23 @@ static void take_balls(struct scree_contacts *contacts, const struct scree_bodie
     }
 }
 
-/* Corners and faces are what two boxes meet with; where they are deep in each other all the same, edge against edge has gone
- * unseen, and the run must not go on as if nothing had happened. */
+/* Edges of two boxes that may touch before the list is made anew. */
+static void take_edges(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                       const struct scree_rule *rule, int ball, int host, enum pass pass) {
+    struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
+    double clear = scree_cores_apart(&boxes), reach = boxes.rounding_a + boxes.rounding_b;
+    /* Edges that are yet to pass through each other are at no distance when they do. */
+    reach = (clear > 0.0 ? reach : fmax(reach, boxes.deepest)) + contacts->skin;
+    if (clear > reach) return;
+    for (int a = 0; a < SCREE_EDGES; a++)
+        for (int b = 0; b < SCREE_EDGES; b++) {
+            struct scree_contact contact = {ball, host, scree_crossing_code(a, b)};
+            if (scree_edges_apart(&boxes, a, b) <= reach) take(bodies, batch, &contact, pass);
+        }
+}
+
+/* Two boxes that are deep in each other, whatever their contacts say of it: the run must not go on as if nothing had happened. */
 static void note_depth(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
@@ -166,6 +181,8 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
     if (a != SCREE_BOX || b != SCREE_BOX) return;
     if (pass == COUNT) note_depth(contacts, bodies, i, j);
     take_balls(contacts, bodies, rule, j, i, pass);
+    int swap = bodies->number[i] > bodies->number[j];
+    take_edges(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
 }
 
 static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, enum pass pass) {

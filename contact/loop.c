@@ -262,7 +262,6 @@ static void press_and_rub(struct block *b, int count, const struct scree_rule *r
     if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
 }
 
-/* All passes but the last. */
 /* The stretch of a slider's spring counts from the touch, not from the beginning of the step in which bodies meet: without this friction
  * is of first order. Until the middle of the step, to which the laws add half of it, that is overlap/closing. */
 static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
@@ -277,14 +276,14 @@ static void begin_stretches(const struct block *b, int count, double step, doubl
     }
 }
 
-static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                  const struct scree_batch *batch, int first, int count, double step, struct block *b) {
+/* From gathered columns on, all passes but the last. */
+static void press_gathered(const struct scree_contacts *contacts, const struct scree_batch *batch, int first, int count,
+                           double step, struct block *b) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const double *pair[SCREE_PAIR_COLUMNS];
     double *kept[SCREE_MEMORY];
     for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
     for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
-    gather(bodies, batch->contact + first, count, batch->geometry, b);
     share_out(count, step, b);
     const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
     if (friction && friction->slider && !friction->in_force) begin_stretches(b, count, step, kept);
@@ -292,17 +291,70 @@ static void press(const struct scree_contacts *contacts, const struct scree_bodi
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
 }
 
+/* All passes but the last. */
+static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                  const struct scree_batch *batch, int first, int count, double step, struct block *b) {
+    gather(bodies, batch->contact + first, count, batch->geometry, b);
+    press_gathered(contacts, batch, first, count, step, b);
+}
+
+/* The last pass. */
+static void finish(const struct scree_contacts *contacts, const struct scree_batch *batch, const struct block *b,
+                   int count, double step, struct scree_yield *yield) {
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
+    write_yield(b, count, batch, friction, rolls, step, yield);
+    if (!contacts->measured) return;
+    struct losses losses = measure_losses(b, count, step, friction, rolls, snaps);
+    yield->lost_normal = losses.normal;
+    yield->work_tangential = losses.tangential;
+}
+
+/* ---- edges on edges ---- */
+
+/* A block without touch: laws forget what they have kept. */
+static void stay_silent(const struct scree_batch *batch, int first, int count, struct scree_yield *yield) {
+    yield->lost_normal = yield->work_tangential = 0.0;
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (batch->kept[m]) memset(batch->kept[m] + first, 0, (size_t)padded(count) * sizeof(double));
+}
+
+/* The rest of what edges on edges do, on top of what the middle of the overlap yields. */
+static void act_leaning(const struct block *b, const struct lean *lean, int count, double step,
+                        struct scree_yield *yield) {
+    for (int axis = 0; axis < 3; axis++)
+        for (int k = 0; k < count; k++) {
+            double f = step * b->force[k];
+            if (f == 0.0) continue;
+            yield->impulse[axis][k] += f * lean->force[axis][k];
+            yield->turn_ball[axis][k] += f * lean->turn_ball[axis][k];
+            yield->turn_host[axis][k] += f * lean->turn_host[axis][k];
+        }
+}
+
+static void act_edges(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
+    struct block b;
+    struct lean lean;
+    yield->silent = !gather_crossings(bodies, batch, first, count, &b, &lean);
+    if (yield->silent) {
+        stay_silent(batch, first, count, yield);
+        return;
+    }
+    press_gathered(contacts, batch, first, count, step, &b);
+    finish(contacts, batch, &b, count, step, yield);
+    act_leaning(&b, &lean, count, step, yield);
+}
+
 static void act(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
     struct block b;
-    const struct scree_rule *rule = &contacts->rule[batch->rule];
-    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
+    if (batch->geometry == SCREE_EDGE_EDGE) {
+        act_edges(contacts, bodies, batch, first, count, step, yield);
+        return;
+    }
     press(contacts, bodies, batch, first, count, step, &b);
-    write_yield(&b, count, batch, friction, rolls, step, yield);
-    if (!contacts->measured) return;
-    struct losses losses = measure_losses(&b, count, step, friction, rolls, snaps);
-    yield->lost_normal = losses.normal;
-    yield->work_tangential = losses.tangential;
+    finish(contacts, batch, &b, count, step, yield);
 }
 
 /* ---- straight into the bodies ---- */

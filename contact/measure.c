@@ -44,17 +44,29 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
     touch->stored_in_friction += 0.5 * law->stiffness(constants) * (vec_norm2(r.stretch) + s.stretch.x * s.stretch.x);
 }
 
+/* Where and how a contact moves; `m` receives normal and overlap. */
+static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                 enum scree_geometry geometry, struct scree_meeting *m) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    if (geometry == SCREE_EDGE_EDGE) {
+        struct scree_crossing crossing = scree_cross(bodies, contact);
+        *m = crossing.meeting;
+        return scree_gait_on_edges(bodies, contact, &crossing);
+    }
+    struct vec corner = scree_corner_of(bodies, contact, geometry);
+    *m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
+    return scree_gait_of(m->normal, m->overlap, ball->radius, corner, scree_apart(bodies, contact, geometry),
+                         vec_sub(vec_from(ball->v), vec_from(host->v)), vec_from(ball->w), vec_from(host->w));
+}
+
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,
                            int index, struct scree_touch *touch) {
     const struct scree_batch *batch = &contacts->batch[batch_index];
     const struct scree_contact *contact = &batch->contact[index];
     const struct scree_rule *rule = &contacts->rule[batch->rule];
-    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    struct vec corner = scree_corner_of(bodies, contact, batch->geometry);
-    struct scree_meeting m = scree_meet(bodies, contact, batch->geometry, vec_add(vec_from(ball->x), corner));
-    struct scree_gait gait =
-        scree_gait_of(m.normal, m.overlap, ball->radius, corner, scree_apart(bodies, contact, batch->geometry),
-                      vec_sub(vec_from(ball->v), vec_from(host->v)), vec_from(ball->w), vec_from(host->w));
+    const struct scree_record *ball = &bodies->record[contact->ball];
+    struct scree_meeting m;
+    struct scree_gait gait = gait_of(bodies, contact, batch->geometry, &m);
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct scree_pressing pressing = {m.overlap, gait.closing, 0.0, 0.0};
     if (normal->memory) {
@@ -75,6 +87,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     *touch = (struct scree_touch){.ball = contact->ball,
                                   .host = contact->host,
                                   .corner = batch->geometry == SCREE_BALL_IMAGE ? 0 : contact->corner};
+    touch->edges = batch->geometry == SCREE_EDGE_EDGE;
     touch->overlap = m.overlap;
     touch->closing = gait.closing;
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;

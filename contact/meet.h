@@ -3,7 +3,6 @@
 #define SCREE_CONTACT_MEET_H
 
 #include "contact/contacts.h"
-#include "contact/geometry.h"
 
 /* Where the partner that is met stands off its record: whole periods; constant zeros but for images. */
 static inline struct vec scree_shift_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
@@ -74,6 +73,43 @@ static inline double scree_snap_energy(double (*stored)(const struct scree_law_c
                                                         struct scree_pressing),
                                        const struct scree_law_constants *law, struct scree_pair_constants pair) {
     return -stored(law, pair, (struct scree_pressing){0.0, 0.0, 0.0, 1.0});
+}
+
+/* The code of two edges in scree_contact.corner; above 0. */
+static inline int scree_crossing_code(int edge_of_ball, int edge_of_host) {
+    return 1 + edge_of_ball * SCREE_EDGES + edge_of_host;
+}
+
+static inline struct scree_two_boxes scree_two_boxes_of(const struct scree_bodies *bodies, int ball, int host) {
+    const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
+    return (struct scree_two_boxes){&bodies->attitude[bodies->slot[ball]],
+                                    &bodies->attitude[bodies->slot[host]],
+                                    vec_sub(vec_from(a->x), vec_from(b->x)),
+                                    a->radius,
+                                    b->radius,
+                                    2.0 * fmin(a->limit, b->limit)};
+}
+
+/* A contact of two edges. */
+static inline struct scree_crossing scree_cross(const struct scree_bodies *bodies,
+                                                const struct scree_contact *contact) {
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    int code = contact->corner - 1;
+    return scree_meet_edges(&boxes, code / SCREE_EDGES, code % SCREE_EDGES);
+}
+
+/* How two edges move at their crossing; they close in as fast as their overlap grows. */
+static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *bodies,
+                                                    const struct scree_contact *contact,
+                                                    const struct scree_crossing *c) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    struct vec n = c->meeting.normal, apart = vec_sub(vec_from(ball->x), vec_from(host->x));
+    struct vec between = vec_sub(vec_from(ball->v), vec_from(host->v));
+    struct vec velocity = vec_add(between, vec_cross(vec_from(ball->w), c->point));
+    velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(c->point, apart)));
+    double closing =
+        -vec_dot(c->force, between) - vec_dot(c->turn_a, vec_from(ball->w)) - vec_dot(c->turn_b, vec_from(host->w));
+    return (struct scree_gait){c->point, vec_axpy(velocity, -vec_dot(velocity, n), n), closing};
 }
 
 /* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. The

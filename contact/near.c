@@ -108,7 +108,7 @@ static int keeps_something(double *const *column, int columns, int k) {
     return 0;
 }
 
-/* Whether the gap of a contact is at most `left`. Spheres take a short way. */
+/* Whether the gap of a contact is at most `left`. Spheres take a short way, edges are all near: runs say what is silent. */
 static inline int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
                           const struct scree_contact *contact, double left, double skin) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
@@ -117,6 +117,7 @@ static inline int is_near(const struct scree_bodies *bodies, const struct scree_
         double z = ball->x[2] - host->x[2];
         return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
     }
+    if (batch->geometry == SCREE_EDGE_EDGE) return 1;
     if (batch->geometry == SCREE_BALL_IMAGE)
         return vec_norm(scree_apart(bodies, contact, SCREE_BALL_IMAGE)) - ball->radius - host->radius <= left;
     return scree_gap(bodies, contact, skin) <= left;
@@ -225,6 +226,39 @@ static scree_status renew_batch(struct scree_contacts *contacts, const struct sc
     return enlarge_yield(batch, trouble);
 }
 
+/* ---- edges on edges ---- */
+
+static struct scree_run run_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                               const struct scree_batch *batch, int start) {
+    const struct scree_contact *contact = &batch->contact[batch->segment[0].first + start];
+    int holds_on = scree_normal_laws[contacts->rule[batch->rule].normal]->reach != NULL; /* beyond touch */
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    double clear = scree_cores_apart(&boxes) - boxes.rounding_a - boxes.rounding_b;
+    double from = bodies->record[contact->ball].path + bodies->record[contact->host].path;
+    return (struct scree_run){start, holds_on ? 0.0 : clear, from, scree_first_rectangles(&boxes)};
+}
+
+/* The runs of a batch of edges on edges. */
+static scree_status find_runs(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                              struct scree_batch *batch, scree_trouble *trouble) {
+    int count = batch->segment[0].count, before = batch->run_capacity, ok = 1;
+    const struct scree_contact *contact = batch->contact + batch->segment[0].first;
+    if (count > before) {
+        int after = count + count / 2;
+        ok &= scree_enlarge(&batch->run, before, after, sizeof *batch->run);
+        ok &= scree_enlarge(&batch->first_run, before, after, sizeof *batch->first_run);
+        if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts of edges", count);
+        batch->run_capacity = after;
+    }
+    batch->runs = 0;
+    for (int k = 0; k < count; k++) {
+        int same = k > 0 && contact[k].ball == contact[k - 1].ball && contact[k].host == contact[k - 1].host;
+        if (!same) batch->run[batch->runs++] = run_of(contacts, bodies, batch, k);
+        if (k % SCREE_LANES == 0) batch->first_run[k / SCREE_LANES] = batch->runs - 1;
+    }
+    return SCREE_OK;
+}
+
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble) {
     int segments = bodies->order.slabs + 1;
@@ -233,6 +267,7 @@ scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct s
         struct scree_batch *batch = &contacts->batch[b];
         if (batch->outer_count == 0 && batch->count == 0) continue;
         status = renew_batch(contacts, bodies, batch, segments, threads, trouble);
+        if (!status && batch->geometry == SCREE_EDGE_EDGE) status = find_runs(contacts, bodies, batch, trouble);
         if (!status && !batch->uniform) status = scree_pair_constants(contacts, bodies, batch, trouble);
     }
     return status;

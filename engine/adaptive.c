@@ -225,13 +225,16 @@ static scree_status take_list(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     struct scree_contacts *contacts = &scene->contacts;
     int grips = 0;
-    for (int b = 0; b < contacts->batches; b++) grips += contacts->batch[b].count;
+    for (int b = 0; b < contacts->batches; b++)
+        if (contacts->batch[b].geometry != SCREE_EDGE_EDGE) grips += contacts->batch[b].count;
     scree_status status = make_room(scene, grips);
     if (status) return status;
     a->grips = 0;
-    for (int b = 0; b < contacts->batches; b++)
+    for (int b = 0; b < contacts->batches; b++) {
+        if (contacts->batch[b].geometry == SCREE_EDGE_EDGE) continue; /* watched by stop_at_edges */
         for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k))
             scree_grip_make(&a->grip[a->grips++], contacts, &scene->bodies, b, k);
+    }
     size_t size = Y_BODIES;
     for (int k = 0; k < scene->bodies.count; k++) {
         int own = body_size(&scene->bodies, k);

@@ -1,6 +1,8 @@
 /* The course of a step of the scene with the adaptive integrator: flights, steps to a tolerance, events. */
 #include "engine/adaptive.h"
 
+#include "contact/meet.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -171,6 +173,38 @@ static void note_depths(struct scree_scene *scene) {
     }
 }
 
+/* The first of the contacts of two boxes edge on edge that touches, if corners don't bear it; NULL: none. */
+static const struct scree_contact *touching_edges(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                                                  int run) {
+    const struct scree_contact *contact = batch->contact + batch->segment[0].first;
+    int start = batch->run[run].start,
+        end = run + 1 < batch->runs ? batch->run[run + 1].start : batch->segment[0].count;
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact[start].ball, contact[start].host);
+    if (scree_meet_as_rectangles(&boxes, batch->run[run].first)) return NULL;
+    for (int k = start; k < end; k++)
+        if (scree_cross(bodies, &contact[k]).meeting.overlap > 0.0) return &contact[k];
+    return NULL;
+}
+
+/* Edges on edges aren't followed: where two touch, the run can't go on. */
+static scree_status stop_at_edges(struct scree_scene *scene) {
+    struct scree_adaptive *a = scene->adaptive;
+    const struct scree_contacts *contacts = &scene->contacts;
+    for (int b = 0; b < contacts->batches; b++) {
+        const struct scree_batch *batch = &contacts->batch[b];
+        if (batch->geometry != SCREE_EDGE_EDGE || batch->count == 0) continue;
+        scree_adaptive_place(scene, a->y);
+        for (int run = 0; run < batch->runs; run++) {
+            const struct scree_contact *contact = touching_edges(&scene->bodies, batch, run);
+            if (contact)
+                return scree_scene_stop(scene, a->start + a->y[Y_TIME], contact->ball, contact->host,
+                                        "an edge touches an edge, which the integrator \"adaptive\" doesn't know; take "
+                                        "\"verlet\"");
+        }
+    }
+    return SCREE_OK;
+}
+
 /* Bodies that come near within the step and part again may touch unseen: where the gap is least on the cubic through both ends, s after
  * the start; 0 where none is in doubt. */
 static double doubtful(const struct scree_adaptive *a, double h) {
@@ -255,7 +289,8 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
         return scree_scene_stop(scene, a->start + a->y[Y_TIME], a->worst, -1,
                                 "contacts near it change to and fro without end, and time doesn't pass; its laws jump "
                                 "where they should be continuous");
-    return scree_check_depth(scene, a->start + a->y[Y_TIME]);
+    scree_status status = scree_check_depth(scene, a->start + a->y[Y_TIME]);
+    return status ? status : stop_at_edges(scene);
 }
 
 /* One step that keeps the tolerance, shortened until it does. */

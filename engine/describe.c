@@ -114,8 +114,9 @@ static void describe_order(const scree_scene *scene, FILE *file) {
 }
 
 static void describe_near(const scree_scene *scene, FILE *file) {
-    static const char *const names[SCREE_GEOMETRIES] = {"ball on ball", "ball on plane", "ball on rectangle",
-                                                        "ball on box", "ball on the image of a ball"};
+    static const char *const names[SCREE_GEOMETRIES] = {
+        "ball on ball", "ball on plane", "ball on rectangle", "ball on box", "ball on the image of a ball",
+        "edge on edge"};
     long near[SCREE_GEOMETRIES] = {0};
     for (int b = 0; b < scene->contacts.batches; b++)
         near[scene->contacts.batch[b].geometry] += scene->contacts.batch[b].count;

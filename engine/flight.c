@@ -59,6 +59,11 @@ static double gap_between(const struct scree_bodies *bodies, int i, int j) {
     int plane = bodies->shape[i].kind == SCREE_PLANE || bodies->shape[j].kind == SCREE_PLANE;
     double outside = plane ? -1.0 : vec_norm(vec_sub(vec_from(a->x), vec_from(b->x))) - a->bound - b->bound;
     double least = HUGE_VAL;
+    if (bodies->shape[i].kind == SCREE_BOX &&
+        bodies->shape[j].kind == SCREE_BOX) { /* edges may be nearer than corners */
+        struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
+        return fmax(fmax(outside, scree_cores_apart(&boxes) - a->radius - b->radius), 0.0);
+    }
     for (int side = 0; side < 2; side++) {
         int ball = side ? j : i, host = side ? i : j, box = bodies->shape[ball].kind == SCREE_BOX;
         int sphere = bodies->shape[ball].kind == SCREE_SPHERE, flat = bodies->shape[host].kind != SCREE_SPHERE;

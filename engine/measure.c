@@ -139,6 +139,7 @@ static scree_contact_state contact_state(const scree_scene *scene, const struct 
                                  .host = scene->bodies.number[touch->host],
                                  .sliding = touch->sliding};
     state.corner = touch->corner ? touch->corner - 1 - 8 * scene->bodies.slot[touch->ball] : -1;
+    if (touch->edges) state.corner = 7 + touch->corner;
     double point[3];
     vec_store(touch->point, point);
     put_into_box(&scene->bodies, point, state.point);

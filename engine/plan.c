@@ -1,6 +1,7 @@
 /* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
  * chosen from the stiffest contact that can happen. */
 #include "contact/grip.h"
+#include "contact/meet.h"
 #include "engine/hash.h"
 #include "engine/scene.h"
 
@@ -699,6 +700,30 @@ static scree_status keep_impulses(struct scree_scene *scene) {
     return status;
 }
 
+/* Whether two boxes can meet, and not just as rectangles do, corner on side. */
+static int may_cross(const struct scree_scene *scene, int i, int j) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    if (bodies->shape[i].kind != SCREE_BOX || bodies->shape[j].kind != SCREE_BOX) return 0;
+    if (!scree_contacts_rule(&scene->contacts, bodies, i, j, NULL)) return 0;
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
+    return !scree_share_axis(&boxes);
+}
+
+/* The adaptive integrator doesn't follow edges on edges. Boxes that share an axis are let pass: should their edges touch all the same,
+ * the run stops there. */
+static scree_status refuse_edges(struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int j = 0; j < bodies->count; j++)
+        for (int i = 0; i < j; i++)
+            if (may_cross(scene, i, j))
+                return scree_report(
+                    &scene->trouble, SCREE_BAD_INPUT, "integrator",
+                    "the integrator \"adaptive\" doesn't know edges on edges, and the boxes \"%s\" and \"%s\" can meet "
+                    "so; take \"verlet\", or let their materials pass through each other (none = true)",
+                    scree_name(scene, bodies->number[i]), scree_name(scene, bodies->number[j]));
+    return SCREE_OK;
+}
+
 static scree_status prepare_adaptive(struct scree_scene *scene) {
     if (scene->bodies.periodic)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator",
@@ -711,7 +736,8 @@ static scree_status prepare_adaptive(struct scree_scene *scene) {
                                 "motion stops, or its memory has rules of its own; take another law, or \"verlet\"",
                                 law);
     }
-    return scree_adaptive_create(scene);
+    scree_status status = refuse_edges(scene);
+    return status ? status : scree_adaptive_create(scene);
 }
 
 static scree_status bake(struct scree_scene *scene) {

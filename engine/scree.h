@@ -210,8 +210,9 @@ SCREE_API scree_status scree_scene_energy(scree_scene *scene, scree_energy *ener
 
 /* A contact that touches now. */
 typedef struct scree_contact_state {
-    int ball, host;                   /* bodies: the ball (a sphere or the corner of a box) and its partner */
-    int corner;                       /* 0 … 7: bits for +x, +y, +z; -1: a sphere */
+    int ball, host; /* bodies: the ball (a sphere or the corner of a box) and its partner */
+    int corner;     /* 0 … 7: bits for +x, +y, +z; -1: a sphere; 8 + 12 i + j: edge i of the ball on edge j of
+                                      * its partner, 4 along each axis, bits for the signs along the two that follow it */
     double point[3], normal[3];       /* normal from the host to the ball */
     double overlap, closing, slip[3]; /* m, m/s, m/s */
     double normal_force, friction[3]; /* N, on the ball */

@@ -1,0 +1,66 @@
+/* Edge on edge: what two boxes have of each other that no corner sees.
+ *
+ * A rounded box is its core swept by a ball, so two of them touch where their cores come closer than the sum R of the roundings. The
+ * nearest points of two cores are either a corner and any point of the other core, which the contacts of corners see, or
+ * inner points of two edges. Those are taken up here, each pair of edges whose common perpendicular ends inside both:
+ *
+ *   d = R - distance of the edges,   d_i = overlap of the corners at their four ends (at least 0),
+ *   q = d (1 - (d_1/d)^2) … (1 - (d_4/d)^2),   0 where a corner is as deep as the crossing
+ *
+ * and the law sees the overlap q. Where a crossing comes to the end of its edge, and where edges become parallel, there is a corner
+ * just as deep: q goes to zero, and the corner takes over. Faces that lie on each other with corners between them are borne by
+ * those corners alone, faces without by their crossings. As distances are differentiable functions of the pose, so is q: the
+ * contact pushes along all the pushes that q consists of (`force`, `turn_a`, `turn_b`), and an elastic law has a potential.
+ *
+ * Edges that have passed through each other (sharp boxes, or deeper than R) have a negative distance, as long as their nearest
+ * points lie inside the other box. There q isn't the whole potential: it fades towards the ends of edges, too. */
+#ifndef SCREE_CONTACT_CROSSING_H
+#define SCREE_CONTACT_CROSSING_H
+
+#include "contact/geometry.h"
+
+/* Two boxes, seen from the centre of b. */
+struct scree_two_boxes {
+    const struct scree_attitude *a, *b;
+    struct vec apart; /* from the centre of b to that of a, m */
+    double rounding_a, rounding_b;
+    double deepest; /* edges that have passed through each other farther than this don't meet, m */
+};
+
+enum { SCREE_EDGES = 12 }; /* 4 along each axis; bits of the rest: the signs along the two axes that follow it */
+
+/* Where two edges meet, seen from a: unit normal towards a, overlap q (not positive: they don't touch; 0 where a corner is as deep),
+ * middle of the overlap from the centre of a, and what one newton of the law does to both bodies, the gradient of q: force on a (the
+ * opposite on b), torques about their centres. */
+struct scree_crossing {
+    struct scree_meeting meeting;
+    struct vec point, force, turn_a, turn_b;
+};
+
+/* Edge `ea` of a on edge `eb` of b, 0 … 11. */
+struct scree_crossing scree_meet_edges(const struct scree_two_boxes *boxes, int ea, int eb);
+
+/* Distance of two edges, ends included. */
+double scree_edges_apart(const struct scree_two_boxes *boxes, int ea, int eb);
+
+/* How far the cores are apart, from below; 0 if no axis of theirs separates them. */
+double scree_cores_apart(const struct scree_two_boxes *boxes);
+
+/* Two boxes with an axis in common along which each has an end within the other, and whose cores are apart across it, meet as two
+ * rectangles do, corner on side: then corners bear all that edges could. Which axes to look along first: the common one, of both,
+ * and the one across, 0 … 2 of b, 3 … 5 of a. */
+struct scree_rectangles {
+    int axis_a, axis_b, across;
+};
+
+/* Whether they do, along whatever axes; `first` tells where to look first, which changes nothing but the time. */
+int scree_meet_as_rectangles(const struct scree_two_boxes *boxes, struct scree_rectangles first);
+
+/* Whether they have an axis in common along which each has an end within the other: they meet as rectangles as long as they move across
+ * it and turn about it only. */
+int scree_share_axis(const struct scree_two_boxes *boxes);
+
+/* Where to look first in poses that are near to this one. */
+struct scree_rectangles scree_first_rectangles(const struct scree_two_boxes *boxes);
+
+#endif
