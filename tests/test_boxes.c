@@ -256,7 +256,7 @@ static void test_tower_and_wall(void) {
         for (int k = 0; k < 4 + row % 2; k++) { /* half bricks at the ends of every other row; joints of 2 mm */
             int half = row % 2 && (k == 0 || k == 4);
             double x = 0.202 * (k - 0.5 * (row % 2)) + (half ? k == 0 ? 0.0505 : -0.0505 : 0.0);
-            char name[16];
+            char name[32];
             snprintf(name, sizeof name, "b%d.%d", row, k);
             add_box(d, name, vec(half ? 0.099 : 0.2, 0.1, 0.06), 0.003, vec(x, 0.0, 0.03 + 0.06 * row), "");
         }
