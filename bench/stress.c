@@ -550,7 +550,7 @@ static void lie_stacked(const char *integrator, double gravity, double stiffness
     head(&text, gravity, time, laws);
     add_floor(&text, laws);
     for (int k = 0; k < COUNT; k++) {
-        char name[8];
+        char name[16];
         snprintf(name, sizeof name, "%d", k);
         top += (k ? 2.0 : 1.0) * radius - (COUNT - k) * mass * gravity / stiffness;
         heights[k + 1] = top;
