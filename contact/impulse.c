@@ -7,491 +7,17 @@
  * with the relative velocity w of the ball at the contact point in axes that turn with the normal, its closing part
  * u = -w.n, and the matrix W of accelerations per unit of force. All that the pair can't know is in a: gravity, drives, the
  * turning of the axes, and the other contacts of both bodies, whose mean accelerations of the last two steps are
- * extrapolated. Where contact begins, where the dashpot turns round (u = 0) and where contact ends is located inside the step:
- * that is what fixed steps otherwise lose their order to. Classical Runge-Kutta between these points; (d, w) are its
- * variables, so that a contact at rest is a fixed point of it to rounding.
+ * extrapolated. Where contact begins, where the dashpot turns round (u = 0), where a slider breaks loose and where contact ends is
+ * located inside the step: that is what fixed steps otherwise lose their order to. within.c does that; here is what makes a
+ * pair of two bodies, and impulses of what it yields.
  *
  * The directions of J and M are those at mid-step. Everything is a function of one contact and its two bodies, summed in
  * the order of the list: the same bits for any number of threads. */
 #include "contact/contacts.h"
 #include "contact/meet.h"
+#include "contact/within.h"
 
 #include <string.h>
-
-enum { TRIES = 16 }; /* of the searches for an event inside a step; each at least halves its bracket every third time */
-
-/* A contact during one step: what stays. */
-struct pair {
-    const struct scree_normal_law *normal;
-    const struct scree_friction_law *friction; /* NULL: none */
-    const struct scree_law_constants *normal_law, *friction_law;
-    struct scree_pair_constants normal_pair, friction_pair;
-    struct vec n;         /* from the host to the ball, at the start of the step */
-    struct mat give;      /* W: acceleration of the ball against its host per unit of force on it, 1/kg */
-    struct vec a;         /* acceleration that isn't the pair's own, m/s^2 */
-    double normal_give;   /* n.W n, 1/kg */
-    double sideways_give; /* the largest that W gives in the tangent plane, or more, 1/kg */
-    double reach;         /* largest gap that a pulling contact bridges, m */
-    double step;
-    int root, substeps;
-    int trial; /* friction is a slider behind a bare spring */
-    int holds; /* reckon as if that slider held whatever comes */
-    int books; /* energy is looked at */
-};
-
-/* A contact at one instant. */
-struct instant {
-    double overlap;
-    struct vec velocity;
-    double first, second; /* memory of the normal law */
-    struct vec stretch;   /* memory of the friction law */
-    double sliding;
-};
-
-/* Forces at one instant. */
-struct load {
-    struct vec force; /* on the ball, N */
-    double normal, damping;
-    double rubbing; /* power lost to friction, W */
-    double first, second;
-};
-
-/* What a stretch of time has yielded: impulse and its moment about the end of that time; work lost. */
-struct yield {
-    struct vec impulse, moment;
-    double lost, rubbed;
-};
-
-static inline double closing_of(const struct pair *p, const struct instant *at) { return -vec_dot(at->velocity, p->n); }
-
-/* The normal law as it is, without its cut: so its force is smooth up to the end of the contact and beyond. */
-static void press(const struct pair *p, const struct instant *at, struct load *load) {
-    double closing = closing_of(p, at);
-    struct scree_pressing pressing = {at->overlap, closing, at->first, at->second};
-    struct scree_normal_force f = p->normal->force(p->normal_law, p->normal_pair, pressing);
-    load->normal = f.elastic + f.damping * closing;
-    load->damping = f.damping;
-    load->first = f.first;
-    load->second = f.second;
-    load->force = vec_scale(load->normal, p->n);
-}
-
-/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than the
- * force: k d/c + u has no root of d in it. */
-static double lasting(const struct pair *p, const struct instant *at) {
-    if (p->normal->reach || !p->normal->cut) return at->overlap + p->reach;
-    double closing = closing_of(p, at);
-    if (at->overlap <= 0.0) return closing < 0.0 ? closing : at->overlap / p->step;
-    struct load load;
-    press(p, at, &load);
-    return load.normal / (load.damping + 1e-6 / (p->normal_give * p->step));
-}
-
-static struct scree_sliding sliding_of(const struct pair *p, const struct instant *at, double normal) {
-    struct scree_sliding sliding = {.normal = normal > 0.0 ? normal : 0.0, .overlap = at->overlap};
-    sliding.closing = closing_of(p, at);
-    sliding.velocity = vec_axpy(at->velocity, sliding.closing, p->n);
-    sliding.stretch = at->stretch;
-    sliding.sliding = at->sliding;
-    return sliding;
-}
-
-/* Add friction to the load of an instant; what the law makes of its memory at that instant (a stretch beyond what the normal
- * force can hold) is kept. */
-static void rub(const struct pair *p, struct instant *at, struct load *load) {
-    load->rubbing = 0.0;
-    if (!p->friction) return;
-    struct scree_sliding sliding = sliding_of(p, at, p->holds ? 1e200 : load->normal);
-    struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
-    load->force = vec_add(load->force, f.force);
-    load->rubbing = -vec_dot(f.force, sliding.velocity);
-    if (!p->friction->memory) return;
-    at->stretch = f.stretch;
-    at->sliding = f.sliding;
-}
-
-/* The memory of friction after `time` at the velocity and overlap of `at`, by the law's own rule, into `to`. */
-static void drag(const struct pair *p, const struct instant *from, const struct instant *at, double normal, double time,
-                 struct instant *to) {
-    if (!p->friction || !p->friction->memory) return;
-    struct scree_sliding sliding = sliding_of(p, at, normal);
-    sliding.stretch = from->stretch;
-    sliding.sliding = from->sliding;
-    sliding.half = 0.5 * time;
-    if (p->trial) { /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
-        sliding.normal = 1e200;
-        sliding.sliding = 0.0;
-    }
-    struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
-    to->stretch = f.stretch;
-    to->sliding = p->trial ? from->sliding : f.sliding;
-}
-
-/* What the normal law remembers at the end of a piece. */
-static void remember(const struct pair *p, struct instant *at) {
-    struct load load;
-    if (!p->normal->memory) return;
-    press(p, at, &load);
-    at->first = load.first;
-    at->second = load.second;
-}
-
-/* Energy in the normal direction that the contact gives back, J; only reckoned if the books are kept. */
-static double stored(const struct pair *p, const struct instant *at) {
-    if (!p->books || (at->overlap <= 0.0 && !(at->second > 0.0))) return 0.0;
-    struct scree_pressing pressing = {at->overlap, closing_of(p, at), at->first, at->second};
-    return p->normal->stored(p->normal_law, p->normal_pair, pressing);
-}
-
-/* The four stages of one Runge-Kutta step; `along` is dt/d(variable) at each. */
-struct stages {
-    struct instant at[4];
-    struct load load[4];
-    double along[4];
-};
-
-static const double weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0}, node[4] = {0.0, 0.5, 0.5, 1.0};
-
-/* Forces at stage k, whose overlap and velocity are set; `size` is that of the step in its variable. */
-static void load_stage(const struct pair *p, struct stages *s, int k, double size) {
-    struct instant *at = &s->at[k];
-    press(p, at, &s->load[k]);
-    if (k > 0) drag(p, &s->at[0], &s->at[k - 1], s->load[k].normal, node[k] * size * s->along[k - 1], at);
-    rub(p, at, &s->load[k]);
-}
-
-/* The memories at the end of a step of length `time`, whose overlap and velocity are set, and the work done in it. */
-static void finish_stages(const struct pair *p, const struct stages *s, double size, double time, struct instant *end,
-                          struct yield *yield) {
-    struct instant mean = s->at[2];
-    struct vec way = {0.0, 0.0, 0.0};
-    yield->lost = yield->rubbed = 0.0;
-    for (int k = 0; k < 4; k++) {
-        double share = weight[k] * size * s->along[k];
-        way = vec_axpy(way, share, s->at[k].velocity);
-        yield->lost += share * s->load[k].normal * closing_of(p, &s->at[k]);
-        yield->rubbed += share * s->load[k].rubbing;
-        if (p->trial)
-            drag(p, end, &s->at[k], 0.0, share, end); /* Runge-Kutta's sum, with the stiffness of each stage */
-    }
-    remember(p, end);
-    yield->lost -= stored(p, end) - stored(p, &s->at[0]); /* the work of the force that isn't there any more */
-    if (p->trial || !p->friction || !p->friction->memory || time == 0.0) return;
-    mean.velocity = vec_scale(1.0 / time, way);
-    drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
-}
-
-/* One Runge-Kutta step over `time`. */
-static struct instant move(const struct pair *p, const struct instant *from, double time, struct yield *yield) {
-    struct stages s = {.at = {*from, *from, *from, *from}, .along = {1.0, 1.0, 1.0, 1.0}};
-    load_stage(p, &s, 0, time);
-    for (int k = 1; k < 4; k++) {
-        struct vec pull = vec_add(p->a, mat_apply(&p->give, s.load[k - 1].force));
-        s.at[k].overlap = from->overlap + node[k] * time * closing_of(p, &s.at[k - 1]);
-        s.at[k].velocity = vec_axpy(from->velocity, node[k] * time, pull);
-        s.at[k].stretch = s.at[0].stretch;
-        load_stage(p, &s, k, time);
-    }
-    struct vec ends = vec_add(s.load[0].force, s.load[3].force), inner = vec_add(s.load[1].force, s.load[2].force);
-    yield->impulse = vec_scale(time / 6.0, vec_axpy(ends, 2.0, inner));
-    yield->moment = vec_scale(time * time / 6.0, vec_add(s.load[0].force, inner));
-    struct instant end = s.at[0];
-    struct vec kick = vec_axpy(mat_apply(&p->give, yield->impulse), time, p->a);
-    struct vec shift = vec_axpy(mat_apply(&p->give, yield->moment), 0.5 * time * time, p->a);
-    shift = vec_axpy(shift, time, from->velocity);
-    end.velocity = vec_add(from->velocity, kick);
-    end.overlap = from->overlap - vec_dot(shift, p->n);
-    finish_stages(p, &s, time, time, &end, yield);
-    return end;
-}
-
-/* ---- where the force sets in, or ends, as a root of the overlap ---- */
-
-/* How near, in time, a piece is to an overlap of zero: since the one behind, until the one ahead; negative: too far to matter. */
-struct nearness {
-    double since, until;
-};
-
-static const struct nearness far = {-1.0, -1.0};
-
-static struct nearness nearness_of(const struct pair *p, const struct instant *at, double time) {
-    struct nearness near = far;
-    double closing = closing_of(p, at);
-    if (p->root < 2 || closing == 0.0 || at->overlap < 0.0) return near;
-    double distance = at->overlap / fabs(closing);
-    if (closing > 0.0 && distance < 6.0 * time) near.since = distance;
-    if (closing < 0.0 && distance < 7.0 * time && !p->normal->cut) near.until = distance;
-    return near;
-}
-
-static double whole_power(double x, int power) {
-    double y = 1.0;
-    for (int k = 0; k < power; k++) y *= x;
-    return y;
-}
-
-/* The state after the time `t` since `from`, in which the contact has yielded so much. */
-static void place(const struct pair *p, const struct instant *from, double t, const struct yield *yield,
-                  struct instant *at) {
-    struct vec shift = vec_axpy(mat_apply(&p->give, yield->moment), 0.5 * t * t, p->a);
-    at->velocity = vec_add(from->velocity, vec_axpy(mat_apply(&p->give, yield->impulse), t, p->a));
-    at->overlap = from->overlap - vec_dot(vec_axpy(shift, t, from->velocity), p->n);
-}
-
-/* Time as the p-th power of a variable that runs from `first` by `size` to its end, so that force and motion are smooth in it:
- * t = sigma^p span - since behind a begin, until - span (1 - sigma)^p before an end. */
-struct clock {
-    double since, until, span, first, size, time;
-    int root, pieces, backwards;
-};
-
-static double whole_root(double x, int root) {
-    return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : scree_power(x, 1.0 / root);
-}
-
-static struct clock clock_for(const struct pair *p, struct nearness near, double time) {
-    struct clock c = {.root = p->root, .time = time, .backwards = near.since < 0.0};
-    double rest = c.backwards ? fmax(near.until - time, 0.0) : near.since;
-    c.since = near.since;
-    c.until = time + rest;
-    c.span = time + rest;
-    double nearest = whole_root(rest / c.span, c.root);
-    c.pieces = rest < 1.5 * time ? 4 : 1;
-    if (c.pieces < p->substeps) c.pieces = p->substeps;
-    c.first = c.backwards ? 0.0 : nearest;
-    c.size = (1.0 - nearest) / c.pieces;
-    return c;
-}
-
-/* Time after `ticks` of `size`, and its derivative by the variable. */
-static double clock_time(const struct clock *c, double ticks, double *along) {
-    double sigma = c->first + c->size * ticks, x = c->backwards ? 1.0 - sigma : sigma;
-    double lower = whole_power(x, c->root - 1);
-    *along = c->span * c->root * lower;
-    if (ticks == c->pieces) return c->time;
-    if (ticks == 0.0) return 0.0;
-    return c->backwards ? c->until - c->span * lower * x : c->span * lower * x - c->since;
-}
-
-/* One Runge-Kutta step of `move_by_clock`: J and M themselves are the states. */
-static void tick(const struct pair *p, const struct clock *c, const struct instant *from, int piece,
-                 struct instant *now, struct yield *yield) {
-    struct stages s = {.at = {*now, *now, *now, *now}};
-    struct yield sum = *yield, part;
-    struct vec impulse[4];
-    double size = c->size, ignored;
-    for (int k = 0; k < 4; k++) {
-        double t = clock_time(c, piece + node[k], &s.along[k]);
-        struct yield state = *yield;
-        if (k > 0) {
-            double share = node[k] * size * s.along[k - 1];
-            state.impulse = vec_axpy(yield->impulse, share, s.load[k - 1].force);
-            state.moment = vec_axpy(yield->moment, share, impulse[k - 1]);
-            place(p, from, t, &state, &s.at[k]);
-            s.at[k].stretch = s.at[0].stretch;
-            s.at[k].sliding = s.at[0].sliding;
-        }
-        impulse[k] = state.impulse;
-        load_stage(p, &s, k, size);
-        sum.impulse = vec_axpy(sum.impulse, weight[k] * size * s.along[k], s.load[k].force);
-        sum.moment = vec_axpy(sum.moment, weight[k] * size * s.along[k], impulse[k]);
-    }
-    double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
-    *now = s.at[0];
-    place(p, from, after, &sum, now);
-    finish_stages(p, &s, size, after - before, now, &part);
-    sum.lost += part.lost;
-    sum.rubbed += part.rubbed;
-    *yield = sum;
-}
-
-/* As move, near the begin or end of a contact whose force isn't smooth there. */
-static struct instant move_by_clock(const struct pair *p, const struct instant *from, struct nearness near, double time,
-                                    struct yield *yield) {
-    struct clock c = clock_for(p, near, time);
-    struct instant now = *from;
-    *yield = (struct yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    for (int piece = 0; piece < c.pieces; piece++) tick(p, &c, from, piece, &now, yield);
-    return now;
-}
-
-/* One piece of a step, by whichever variable suits. */
-static struct instant go(const struct pair *p, const struct instant *from, struct nearness near, double time,
-                         struct yield *yield) {
-    int smooth = near.since < 0.0 && near.until < 0.0;
-    return smooth ? move(p, from, time, yield) : move_by_clock(p, from, near, time, yield);
-}
-
-/* ---- events inside a step ---- */
-
-enum event { TURNS, ENDS };
-
-static double still(const struct pair *p, enum event event, const struct instant *at) {
-    return event == TURNS ? closing_of(p, at) : lasting(p, at);
-}
-
-/* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois), and
- * bisection where that is slow. `to` and `yield` are those of the whole piece and become those of the part. */
-static void shorten(const struct pair *p, enum event event, const struct instant *from, struct nearness near,
-                    double *time, struct instant *to, struct yield *yield) {
-    double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to), size = at_low;
-    for (int k = 0; k < TRIES && at_low > 0.0; k++) {
-        double t = high - at_high * (high - low) / (at_high - at_low);
-        if (k % 4 == 3) t = 0.5 * (low + high);
-        if (event == ENDS && near.until >= 0.0) near.until = t; /* there is the singular point */
-        *to = go(p, from, near, t, yield);
-        *time = t;
-        double value = still(p, event, to);
-        if (fabs(value) <= 1e-13 * size) return;
-        if (value > 0.0) {
-            low = t;
-            at_low = value;
-            at_high *= 0.5;
-        } else {
-            high = t;
-            at_high = value;
-            at_low *= 0.5;
-        }
-    }
-}
-
-/* A slider that has held until now doesn't any more. */
-static int breaks_loose(const struct pair *p, const struct instant *at) {
-    struct instant now = *at;
-    struct load load;
-    press(p, &now, &load);
-    rub(p, &now, &load);
-    return now.sliding > 0.0 && !(at->sliding > 0.0);
-}
-
-/* Where a slider breaks loose its force leaves that of the spring, with a kink or a jump. If it does within the piece, the piece
- * is shortened to end there, as if it held up to then. */
-static int shorten_to_slip(const struct pair *p, const struct instant *from, struct nearness near, double *time,
-                           struct instant *to, struct yield *yield) {
-    if (!p->trial || from->sliding > 0.0 || !breaks_loose(p, to) || breaks_loose(p, from)) return 0;
-    struct pair holding = *p;
-    holding.holds = 1;
-    double low = 0.0, high = *time;
-    for (int k = 0; k < TRIES; k++) {
-        double t = 0.5 * (low + high);
-        *to = go(&holding, from, near, t, yield);
-        *(breaks_loose(p, to) ? &high : &low) = t;
-    }
-    *to = go(&holding, from, near, high, yield);
-    *time = high;
-    return 1;
-}
-
-static void add(struct yield *sum, const struct yield *part, double left) {
-    sum->moment = vec_add(sum->moment, vec_axpy(part->moment, left, part->impulse));
-    sum->impulse = vec_add(sum->impulse, part->impulse);
-    sum->lost += part->lost;
-    sum->rubbed += part->rubbed;
-}
-
-/* Free flight: what is stored in an overlap without force is lost. */
-static void fly(const struct pair *p, struct instant *at, double time, struct yield *sum) {
-    struct yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    double before = stored(p, at);
-    struct instant from = *at;
-    place(p, &from, time, &nothing, at);
-    at->stretch = vec(0.0, 0.0, 0.0);
-    at->sliding = 0.0;
-    remember(p, at);
-    sum->lost += before - stored(p, at);
-}
-
-/* The rest of a step, from `start` on, of a contact that touches. */
-static void touch(const struct pair *p, struct instant *at, double start, struct yield *sum) {
-    double time = start, grid = (p->step - start) / p->substeps;
-    for (int k = 0, turned = 0; time < p->step && k < p->substeps;) {
-        struct yield part;
-        struct nearness near = nearness_of(p, at, p->step - time);
-        int last = near.since >= 0.0 || near.until >= 0.0 || k == p->substeps - 1;
-        double goal = last ? p->step : start + grid * (k + 1), piece = goal - time;
-        if (!(piece > 0.0)) { /* the piece before went further than its own goal */
-            k++;
-            continue;
-        }
-        struct instant to = go(p, at, near, piece, &part);
-        double closing = closing_of(p, at);
-        /* Laws may change where approach turns into parting; where nothing moves to speak of, no force does either. */
-        int turns = !turned && closing > 0.0 && closing_of(p, &to) < 0.0 && closing * piece > 1e-12 * at->overlap;
-        int ends = !turns && lasting(p, &to) < 0.0;
-        if (turns || ends) shorten(p, turns ? TURNS : ENDS, at, near, &piece, &to, &part);
-        if (ends && !(lasting(p, at) > 0.0)) { /* it ends before it begins */
-            fly(p, at, p->step - time, sum);
-            return;
-        }
-        int slips = shorten_to_slip(p, at, near, &piece, &to, &part);
-        if (slips) turns = ends = 0;
-        time = turns || ends || slips ? time + piece : goal;
-        if (!(time < p->step)) time = p->step;
-        add(sum, &part, p->step - time);
-        *at = to;
-        if (slips) at->sliding = 1.0;
-        turned = turns;
-        if (ends) {
-            fly(p, at, p->step - time, sum);
-            return;
-        }
-        if (time == goal) k = last ? p->substeps : k + 1;
-    }
-}
-
-/* ---- the beginning ---- */
-
-/* Time at which contact begins within the step, on the parabola of free flight; the step's length if it doesn't. `at` is moved
- * there. */
-static double begin(const struct pair *p, struct instant *at, struct yield *sum) {
-    struct instant from = *at, end = *at;
-    struct yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    double h = p->step, closing = closing_of(p, at), speeding = -vec_dot(p->a, p->n);
-    place(p, &from, h, &nothing, &end);
-    if (!(lasting(p, &end) > 0.0) || end.overlap <= 0.0) return h;
-    double start = 0.0;
-    if (from.overlap <= 0.0) {
-        double root = closing + sqrt(fmax(closing * closing - 2.0 * speeding * from.overlap, 0.0));
-        start = root > 0.0 ? fmin(-2.0 * from.overlap / root, h) : 0.0;
-    } else { /* overlapping still after its force was cut */
-        double low = 0.0, high = h;
-        for (int k = 0; k < 50; k++) {
-            start = 0.5 * (low + high);
-            place(p, &from, start, &nothing, &end);
-            if (lasting(p, &end) > 0.0)
-                high = start;
-            else
-                low = start;
-        }
-    }
-    struct yield flight = nothing;
-    fly(p, at, start, &flight);
-    if (from.overlap <= 0.0) at->overlap = 0.0;
-    sum->lost += flight.lost;
-    return start;
-}
-
-static struct yield act(const struct pair *p, struct instant *at) {
-    struct yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    int touches = at->overlap > 0.0;
-    if (p->normal->reach)
-        touches = touches || at->second > 0.0;
-    else if (p->normal->cut)
-        touches = touches && lasting(p, at) > 0.0;
-    double start = touches ? 0.0 : begin(p, at, &sum);
-    if (start < p->step && p->normal->reach &&
-        !(at->second > 0.0)) { /* bodies that attach are bound at once; books as in loop.c */
-        struct scree_pressing attached = {0.0, 0.0, 0.0, 1.0};
-        sum.lost -= p->normal->stored(p->normal_law, p->normal_pair, attached);
-    }
-    if (start < p->step)
-        touch(p, at, start, &sum);
-    else
-        fly(p, at, p->step, &sum);
-    return sum;
-}
-
-/* ---- from bodies to pairs ---- */
 
 /* One body as a contact sees it. */
 struct side {
@@ -604,12 +130,12 @@ struct place {
     struct scree_moments *moments;
 };
 
-static struct pair laws_of(const struct scree_contacts *contacts, struct place at) {
+static struct scree_pair_motion laws_of(const struct scree_contacts *contacts, struct place at) {
     const struct scree_rule *rule = &contacts->rule[at.batch->rule];
-    struct pair p = {.normal = scree_normal_laws[rule->normal],
-                     .friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL,
-                     .normal_law = &rule->normal_constants,
-                     .friction_law = &rule->friction_constants};
+    struct scree_pair_motion p = {.normal = scree_normal_laws[rule->normal],
+                                  .friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL,
+                                  .normal_law = &rule->normal_constants,
+                                  .friction_law = &rule->friction_constants};
     for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) p.normal_pair.c[c] = scree_pair(at.batch, c, at.index);
     for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++)
         p.friction_pair.c[c - SCREE_PAIR_FRICTION] = scree_pair(at.batch, c, at.index);
@@ -622,7 +148,7 @@ static struct pair laws_of(const struct scree_contacts *contacts, struct place a
     return p;
 }
 
-static void set_give(struct pair *p, const struct side *ball, const struct side *host) {
+static void set_give(struct scree_pair_motion *p, const struct side *ball, const struct side *host) {
     double trace = 0.0;
     for (int k = 0; k < 3; k++) {
         struct vec unit = vec(k == 0, k == 1, k == 2);
@@ -635,11 +161,11 @@ static void set_give(struct pair *p, const struct side *ball, const struct side 
 
 /* How far to extrapolate the accelerations of the last two steps: fully, as long as damping leaves room for it; a coupled
  * set of heavily damped contacts would grow. (Largest stable steps for 12 neighbours each.) */
-static double extrapolation(const struct pair *p, const struct instant *at) {
-    struct instant touching = *at;
-    struct load load;
+static double extrapolation(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    struct scree_pair_instant touching = *at;
+    struct scree_pair_load load;
     if (touching.overlap < 0.0) touching.overlap = 0.0;
-    press(p, &touching, &load);
+    scree_pair_press(p, &touching, &load);
     double rate = load.damping * p->normal_give;
     if (p->friction) {
         double normal = load.normal > 0.0 ? load.normal : 0.0;
@@ -650,8 +176,9 @@ static double extrapolation(const struct pair *p, const struct instant *at) {
     return fmin(fmax((0.15 - 0.5 * rate * p->step) / 0.06, 0.0), 1.0);
 }
 
-static struct instant instant_of(const struct pair *p, struct place place, struct view now, struct vec velocity) {
-    struct instant at = {.overlap = now.overlap, .velocity = velocity};
+static struct scree_pair_instant instant_of(const struct scree_pair_motion *p, struct place place, struct view now,
+                                            struct vec velocity) {
+    struct scree_pair_instant at = {.overlap = now.overlap, .velocity = velocity};
     double *const *kept = place.batch->kept;
     int k = place.index;
     if (p->normal->memory) {
@@ -666,7 +193,7 @@ static struct instant instant_of(const struct pair *p, struct place place, struc
     return at;
 }
 
-static void keep(const struct pair *p, struct place place, const struct instant *at) {
+static void keep(const struct scree_pair_motion *p, struct place place, const struct scree_pair_instant *at) {
     double *const *kept = place.batch->kept;
     int k = place.index;
     if (p->normal->memory) {
@@ -700,7 +227,7 @@ static void keep_past(const struct scree_batch *batch, int step, int k, struct v
 }
 
 /* Impulse and moment on both bodies, in the directions of mid-step. */
-static void write_yield(const struct yield *sum, struct view middle, struct vec impulse, struct vec moment,
+static void write_yield(const struct scree_pair_yield *sum, struct view middle, struct vec impulse, struct vec moment,
                         struct place place) {
     struct scree_yield *yield = place.yield;
     struct scree_moments *moments = place.moments;
@@ -852,13 +379,13 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
         host.lean_turn = vec_scale(-1.0, now.turn_host);
     }
 
-    struct pair p = laws_of(contacts, place);
+    struct scree_pair_motion p = laws_of(contacts, place);
     p.n = now.normal;
     p.step = step;
     set_give(&p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);
-    struct instant at = instant_of(&p, place, now, velocity);
-    struct yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    struct scree_pair_instant at = instant_of(&p, place, now, velocity);
+    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
     int covered = ball.leans && now.overlap == 0.0; /* corners bear all; the plain normal would foretell a touch */
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p.normal_give > 0.0 && !covered) {
         double more = extrapolation(&p, &at);
@@ -866,9 +393,9 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
         struct vec own = vec_axpy(last, more, vec_sub(last, past_of(batch, 1, place.index)));
         p.a = vec_sub(acceleration(&ball, own, more, step), acceleration(&host, own, more, step));
         p.a = vec_add(p.a, drift(&ball, &host, now, middle, velocity, step));
-        sum = act(&p, &at);
+        sum = scree_pair_act(&p, &at);
     }
-    if (covered) at = (struct instant){.overlap = 0.0};
+    if (covered) at = (struct scree_pair_instant){.overlap = 0.0};
     keep(&p, place, &at);
     struct vec impulse = turn_along(sum.impulse, now.normal, middle.normal);
     write_yield(&sum, middle, impulse, turn_along(sum.moment, now.normal, middle.normal), place);

@@ -127,6 +127,7 @@ static inline int is_near(const struct scree_bodies *bodies, const struct scree_
 static int pick(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
+    if (segment->outer_count == 0) return 0;
     const struct scree_contact *outer = batch->outer + segment->outer_first, *old = batch->contact + segment->first;
     double *column[SCREE_MEMORY + SCREE_PAST], half = 0.5 * contacts->skin;
     int columns = columns_of(batch, column), count = 0, before = 0;
@@ -147,7 +148,7 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
 /* Columns from the places of the old list to those of the new one: those that go on move together, then apart. */
 static void move_columns(struct scree_batch *batch, const struct scree_part *segment, int count, const int *from) {
     double *column[SCREE_MEMORY + SCREE_PAST];
-    int columns = columns_of(batch, column);
+    int columns = count ? columns_of(batch, column) : 0;
     for (int c = 0; c < columns; c++) {
         double *own = column[c] + segment->first;
         int going_on = 0;

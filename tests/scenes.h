@@ -47,6 +47,31 @@ static inline scree_body_state state_of(const scree_scene *scene, const char *na
     return scree_scene_body(scene, scree_scene_find_body(scene, name));
 }
 
+/* The hashes of a file of data/golden, which every build must reproduce: scene, steps, hash a row. The scenes are changed, but for the one
+ * called `unchanged` (may be NULL). */
+static inline void check_golden(const char *name_of_file, const char *const *changes, int count, const char *unchanged,
+                                int expected_rows) {
+    char path[512], name[64];
+    unsigned long long golden;
+    long steps;
+    int rows = 0;
+    snprintf(path, sizeof path, "%s/golden/%s", SCREE_DATA, name_of_file);
+    FILE *file = fopen(path, "r");
+    while (file && fscanf(file, "%63s %ld %llx", name, &steps, &golden) == 3) {
+        char scene_name[80];
+        snprintf(scene_name, sizeof scene_name, "%s.toml", name);
+        scree_scene *scene = scene_file(scene_name, changes, unchanged && strcmp(name, unchanged) == 0 ? 0 : count);
+        go(scene, steps);
+        unsigned long long hash = scree_scene_hash(scene);
+        if (hash != golden) printf("%s %ld %016llx\n", name, steps, hash);
+        CHECK(hash == golden);
+        scree_scene_destroy(scene);
+        rows++;
+    }
+    if (file) fclose(file);
+    CHECK(rows == expected_rows);
+}
+
 /* 1500 spheres and some boxes falling into a heap: enough for teams of threads. To be freed. */
 static inline char *heap_text(void) {
     enum { COUNT = 1500 };

@@ -91,6 +91,21 @@ static const struct {
     {"thornton impact", pair, NULL, 50, 1600, 2.5},
     {"oblique impact", verlet, "contact.0.friction={law=\"coulomb\", static=10, kinetic=10, stiffness=8e4}", 100, 800,
      2.0},
+    {"oblique impact (mindlin)", verlet,
+     "contact.0={between=[\"ball\",\"wall\"], normal={law=\"hertz\", stiffness=5e6}, friction={law=\"mindlin\", "
+     "static=10, kinetic=10, "
+     "shear_modulus=8e6}}",
+     100, 800, 2.0},
+    {"oblique impact (mindlin)", verlet,
+     "contact.0={between=[\"ball\",\"wall\"], normal={law=\"hertz\", stiffness=5e6}, "
+     "friction={law=\"mindlin-incremental\", static=10, kinetic=10, "
+     "shear_modulus=8e6}}",
+     100, 800, 2.0},
+    {"oblique impact (mindlin)", verlet,
+     "contact.0={between=[\"ball\",\"wall\"], normal={law=\"hertz\", stiffness=5e6}, "
+     "friction={law=\"mindlin-rescaled\", static=10, kinetic=10, "
+     "shear_modulus=8e6}}",
+     100, 800, 2.0},
     {"oblique impact", pair, "contact.0.friction={law=\"coulomb\", static=10, kinetic=10, stiffness=8e4}", 50, 400,
      2.0},
     {"oblique impact", pair, "contact.0.friction={law=\"coulomb\", static=0.05, kinetic=0.05, stiffness=8e4}", 50, 400,

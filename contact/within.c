@@ -1,0 +1,443 @@
+/* One contact inside one step of the pair-impulse method: where contact begins, where the dashpot turns round, where a slider breaks
+ * loose and where contact ends is located; between these points classical Runge-Kutta, whose variables are overlap and
+ * velocity, so that a contact at rest is a fixed point of it to rounding. */
+#include "contact/within.h"
+
+enum { TRIES = 16 }; /* of the searches for an event inside a step; each at least halves its bracket every third time */
+
+static inline double closing_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    return -vec_dot(at->velocity, p->n);
+}
+
+void scree_pair_press(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
+                      struct scree_pair_load *load) {
+    double closing = closing_of(p, at);
+    struct scree_pressing pressing = {at->overlap, closing, at->first, at->second};
+    struct scree_normal_force f = p->normal->force(p->normal_law, p->normal_pair, pressing);
+    load->normal = f.elastic + f.damping * closing;
+    load->damping = f.damping;
+    load->first = f.first;
+    load->second = f.second;
+    load->force = vec_scale(load->normal, p->n);
+}
+
+/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than the
+ * force: k d/c + u has no root of d in it. */
+static double lasting(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    if (p->normal->reach || !p->normal->cut) return at->overlap + p->reach;
+    double closing = closing_of(p, at);
+    if (at->overlap <= 0.0) return closing < 0.0 ? closing : at->overlap / p->step;
+    struct scree_pair_load load;
+    scree_pair_press(p, at, &load);
+    return load.normal / (load.damping + 1e-6 / (p->normal_give * p->step));
+}
+
+static struct scree_sliding sliding_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
+                                       double normal) {
+    struct scree_sliding sliding = {.normal = normal > 0.0 ? normal : 0.0, .overlap = at->overlap};
+    sliding.closing = closing_of(p, at);
+    sliding.velocity = vec_axpy(at->velocity, sliding.closing, p->n);
+    sliding.stretch = at->stretch;
+    sliding.sliding = at->sliding;
+    return sliding;
+}
+
+/* Add friction to the load of an instant; what the law makes of its memory at that instant (a stretch beyond what the normal
+ * force can hold) is kept. */
+static void rub(const struct scree_pair_motion *p, struct scree_pair_instant *at, struct scree_pair_load *load) {
+    load->rubbing = 0.0;
+    if (!p->friction) return;
+    struct scree_sliding sliding = sliding_of(p, at, p->holds ? 1e200 : load->normal);
+    struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
+    load->force = vec_add(load->force, f.force);
+    load->rubbing = -vec_dot(f.force, sliding.velocity);
+    if (!p->friction->memory) return;
+    at->stretch = f.stretch;
+    at->sliding = f.sliding;
+}
+
+/* The memory of friction after `time` at the velocity and overlap of `at`, by the law's own rule, into `to`. */
+static void drag(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                 const struct scree_pair_instant *at, double normal, double time, struct scree_pair_instant *to) {
+    if (!p->friction || !p->friction->memory) return;
+    struct scree_sliding sliding = sliding_of(p, at, normal);
+    sliding.stretch = from->stretch;
+    sliding.sliding = from->sliding;
+    sliding.half = 0.5 * time;
+    if (p->trial) { /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
+        sliding.normal = 1e200;
+        sliding.sliding = 0.0;
+    }
+    struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
+    to->stretch = f.stretch;
+    to->sliding = p->trial ? from->sliding : f.sliding;
+}
+
+/* What the normal law remembers at the end of a piece. */
+static void remember(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
+    struct scree_pair_load load;
+    if (!p->normal->memory) return;
+    scree_pair_press(p, at, &load);
+    at->first = load.first;
+    at->second = load.second;
+}
+
+/* Energy in the normal direction that the contact gives back, J; only reckoned if the books are kept. */
+static double stored(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    if (!p->books || (at->overlap <= 0.0 && !(at->second > 0.0))) return 0.0;
+    struct scree_pressing pressing = {at->overlap, closing_of(p, at), at->first, at->second};
+    return p->normal->stored(p->normal_law, p->normal_pair, pressing);
+}
+
+/* The four stages of one Runge-Kutta step; `along` is dt/d(variable) at each. */
+struct stages {
+    struct scree_pair_instant at[4];
+    struct scree_pair_load load[4];
+    double along[4];
+};
+
+static const double weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0}, node[4] = {0.0, 0.5, 0.5, 1.0};
+
+/* Forces at stage k, whose overlap and velocity are set; `size` is that of the step in its variable. */
+static void load_stage(const struct scree_pair_motion *p, struct stages *s, int k, double size) {
+    struct scree_pair_instant *at = &s->at[k];
+    scree_pair_press(p, at, &s->load[k]);
+    if (k > 0) drag(p, &s->at[0], &s->at[k - 1], s->load[k].normal, node[k] * size * s->along[k - 1], at);
+    rub(p, at, &s->load[k]);
+}
+
+/* The memories at the end of a step of length `time`, whose overlap and velocity are set, and the work done in it. */
+static void finish_stages(const struct scree_pair_motion *p, const struct stages *s, double size, double time,
+                          struct scree_pair_instant *end, struct scree_pair_yield *yield) {
+    struct scree_pair_instant mean = s->at[2];
+    struct vec way = {0.0, 0.0, 0.0};
+    yield->lost = yield->rubbed = 0.0;
+    for (int k = 0; k < 4; k++) {
+        double share = weight[k] * size * s->along[k];
+        way = vec_axpy(way, share, s->at[k].velocity);
+        yield->lost += share * s->load[k].normal * closing_of(p, &s->at[k]);
+        yield->rubbed += share * s->load[k].rubbing;
+        if (p->trial)
+            drag(p, end, &s->at[k], 0.0, share, end); /* Runge-Kutta's sum, with the stiffness of each stage */
+    }
+    remember(p, end);
+    yield->lost -= stored(p, end) - stored(p, &s->at[0]); /* the work of the force that isn't there any more */
+    if (p->trial || !p->friction || !p->friction->memory || time == 0.0) return;
+    mean.velocity = vec_scale(1.0 / time, way);
+    drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
+}
+
+/* One Runge-Kutta step over `time`. */
+static struct scree_pair_instant move(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                                      double time, struct scree_pair_yield *yield) {
+    struct stages s = {.at = {*from, *from, *from, *from}, .along = {1.0, 1.0, 1.0, 1.0}};
+    load_stage(p, &s, 0, time);
+    for (int k = 1; k < 4; k++) {
+        struct vec pull = vec_add(p->a, mat_apply(&p->give, s.load[k - 1].force));
+        s.at[k].overlap = from->overlap + node[k] * time * closing_of(p, &s.at[k - 1]);
+        s.at[k].velocity = vec_axpy(from->velocity, node[k] * time, pull);
+        s.at[k].stretch = s.at[0].stretch;
+        load_stage(p, &s, k, time);
+    }
+    struct vec ends = vec_add(s.load[0].force, s.load[3].force), inner = vec_add(s.load[1].force, s.load[2].force);
+    yield->impulse = vec_scale(time / 6.0, vec_axpy(ends, 2.0, inner));
+    yield->moment = vec_scale(time * time / 6.0, vec_add(s.load[0].force, inner));
+    struct scree_pair_instant end = s.at[0];
+    struct vec kick = vec_axpy(mat_apply(&p->give, yield->impulse), time, p->a);
+    struct vec shift = vec_axpy(mat_apply(&p->give, yield->moment), 0.5 * time * time, p->a);
+    shift = vec_axpy(shift, time, from->velocity);
+    end.velocity = vec_add(from->velocity, kick);
+    end.overlap = from->overlap - vec_dot(shift, p->n);
+    finish_stages(p, &s, time, time, &end, yield);
+    return end;
+}
+
+/* ---- where the force sets in, or ends, as a root of the overlap ---- */
+
+/* How near, in time, a piece is to an overlap of zero: since the one behind, until the one ahead; negative: too far to matter. */
+struct nearness {
+    double since, until;
+};
+
+static const struct nearness far = {-1.0, -1.0};
+
+static struct nearness nearness_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
+                                   double time) {
+    struct nearness near = far;
+    double closing = closing_of(p, at);
+    if (p->root < 2 || closing == 0.0 || at->overlap < 0.0) return near;
+    double distance = at->overlap / fabs(closing);
+    if (closing > 0.0 && distance < 6.0 * time) near.since = distance;
+    if (closing < 0.0 && distance < 7.0 * time && !p->normal->cut) near.until = distance;
+    return near;
+}
+
+static double whole_power(double x, int power) {
+    double y = 1.0;
+    for (int k = 0; k < power; k++) y *= x;
+    return y;
+}
+
+/* The state after the time `t` since `from`, in which the contact has yielded so much. */
+static void place(const struct scree_pair_motion *p, const struct scree_pair_instant *from, double t,
+                  const struct scree_pair_yield *yield, struct scree_pair_instant *at) {
+    struct vec shift = vec_axpy(mat_apply(&p->give, yield->moment), 0.5 * t * t, p->a);
+    at->velocity = vec_add(from->velocity, vec_axpy(mat_apply(&p->give, yield->impulse), t, p->a));
+    at->overlap = from->overlap - vec_dot(vec_axpy(shift, t, from->velocity), p->n);
+}
+
+/* Time as the p-th power of a variable that runs from `first` by `size` to its end, so that force and motion are smooth in it:
+ * t = sigma^p span - since behind a begin, until - span (1 - sigma)^p before an end. */
+struct clock {
+    double since, until, span, first, size, time;
+    int root, pieces, backwards;
+};
+
+static double whole_root(double x, int root) {
+    return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : scree_power(x, 1.0 / root);
+}
+
+static struct clock clock_for(const struct scree_pair_motion *p, struct nearness near, double time) {
+    struct clock c = {.root = p->root, .time = time, .backwards = near.since < 0.0};
+    double rest = c.backwards ? fmax(near.until - time, 0.0) : near.since;
+    c.since = near.since;
+    c.until = time + rest;
+    c.span = time + rest;
+    double nearest = whole_root(rest / c.span, c.root);
+    c.pieces = rest < 1.5 * time ? 4 : 1;
+    if (c.pieces < p->substeps) c.pieces = p->substeps;
+    c.first = c.backwards ? 0.0 : nearest;
+    c.size = (1.0 - nearest) / c.pieces;
+    return c;
+}
+
+/* Time after `ticks` of `size`, and its derivative by the variable. */
+static double clock_time(const struct clock *c, double ticks, double *along) {
+    double sigma = c->first + c->size * ticks, x = c->backwards ? 1.0 - sigma : sigma;
+    double lower = whole_power(x, c->root - 1);
+    *along = c->span * c->root * lower;
+    if (ticks == c->pieces) return c->time;
+    if (ticks == 0.0) return 0.0;
+    return c->backwards ? c->until - c->span * lower * x : c->span * lower * x - c->since;
+}
+
+/* One Runge-Kutta step of `move_by_clock`: J and M themselves are the states. */
+static void tick(const struct scree_pair_motion *p, const struct clock *c, const struct scree_pair_instant *from,
+                 int piece, struct scree_pair_instant *now, struct scree_pair_yield *yield) {
+    struct stages s = {.at = {*now, *now, *now, *now}};
+    struct scree_pair_yield sum = *yield, part;
+    struct vec impulse[4];
+    double size = c->size, ignored;
+    for (int k = 0; k < 4; k++) {
+        double t = clock_time(c, piece + node[k], &s.along[k]);
+        struct scree_pair_yield state = *yield;
+        if (k > 0) {
+            double share = node[k] * size * s.along[k - 1];
+            state.impulse = vec_axpy(yield->impulse, share, s.load[k - 1].force);
+            state.moment = vec_axpy(yield->moment, share, impulse[k - 1]);
+            place(p, from, t, &state, &s.at[k]);
+            s.at[k].stretch = s.at[0].stretch;
+            s.at[k].sliding = s.at[0].sliding;
+        }
+        impulse[k] = state.impulse;
+        load_stage(p, &s, k, size);
+        sum.impulse = vec_axpy(sum.impulse, weight[k] * size * s.along[k], s.load[k].force);
+        sum.moment = vec_axpy(sum.moment, weight[k] * size * s.along[k], impulse[k]);
+    }
+    double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
+    *now = s.at[0];
+    place(p, from, after, &sum, now);
+    finish_stages(p, &s, size, after - before, now, &part);
+    sum.lost += part.lost;
+    sum.rubbed += part.rubbed;
+    *yield = sum;
+}
+
+/* As move, near the begin or end of a contact whose force isn't smooth there. */
+static struct scree_pair_instant move_by_clock(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                                               struct nearness near, double time, struct scree_pair_yield *yield) {
+    struct clock c = clock_for(p, near, time);
+    struct scree_pair_instant now = *from;
+    *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    for (int piece = 0; piece < c.pieces; piece++) tick(p, &c, from, piece, &now, yield);
+    return now;
+}
+
+/* One piece of a step, by whichever variable suits. */
+static struct scree_pair_instant go(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                                    struct nearness near, double time, struct scree_pair_yield *yield) {
+    int smooth = near.since < 0.0 && near.until < 0.0;
+    return smooth ? move(p, from, time, yield) : move_by_clock(p, from, near, time, yield);
+}
+
+/* ---- events inside a step ---- */
+
+enum event { TURNS, ENDS };
+
+static double still(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *at) {
+    return event == TURNS ? closing_of(p, at) : lasting(p, at);
+}
+
+/* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois), and
+ * bisection where that is slow. `to` and `yield` are those of the whole piece and become those of the part. */
+static void shorten(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *from,
+                    struct nearness near, double *time, struct scree_pair_instant *to, struct scree_pair_yield *yield) {
+    double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to), size = at_low;
+    for (int k = 0; k < TRIES && at_low > 0.0; k++) {
+        double t = high - at_high * (high - low) / (at_high - at_low);
+        if (k % 4 == 3) t = 0.5 * (low + high);
+        if (event == ENDS && near.until >= 0.0) near.until = t; /* there is the singular point */
+        *to = go(p, from, near, t, yield);
+        *time = t;
+        double value = still(p, event, to);
+        if (fabs(value) <= 1e-13 * size) return;
+        if (value > 0.0) {
+            low = t;
+            at_low = value;
+            at_high *= 0.5;
+        } else {
+            high = t;
+            at_high = value;
+            at_low *= 0.5;
+        }
+    }
+}
+
+/* A slider that has held until now doesn't any more. */
+static int breaks_loose(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    struct scree_pair_instant now = *at;
+    struct scree_pair_load load;
+    scree_pair_press(p, &now, &load);
+    rub(p, &now, &load);
+    return now.sliding > 0.0 && !(at->sliding > 0.0);
+}
+
+/* Where a slider breaks loose its force leaves that of the spring, with a kink or a jump. If it does within the piece, the piece
+ * is shortened to end there, as if it held up to then. */
+static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                           struct nearness near, double *time, struct scree_pair_instant *to,
+                           struct scree_pair_yield *yield) {
+    if (!p->trial || from->sliding > 0.0 || !breaks_loose(p, to) || breaks_loose(p, from)) return 0;
+    struct scree_pair_motion holding = *p;
+    holding.holds = 1;
+    double low = 0.0, high = *time;
+    for (int k = 0; k < TRIES; k++) {
+        double t = 0.5 * (low + high);
+        *to = go(&holding, from, near, t, yield);
+        *(breaks_loose(p, to) ? &high : &low) = t;
+    }
+    *to = go(&holding, from, near, high, yield);
+    *time = high;
+    return 1;
+}
+
+static void add(struct scree_pair_yield *sum, const struct scree_pair_yield *part, double left) {
+    sum->moment = vec_add(sum->moment, vec_axpy(part->moment, left, part->impulse));
+    sum->impulse = vec_add(sum->impulse, part->impulse);
+    sum->lost += part->lost;
+    sum->rubbed += part->rubbed;
+}
+
+/* Free flight: what is stored in an overlap without force is lost. */
+static void fly(const struct scree_pair_motion *p, struct scree_pair_instant *at, double time,
+                struct scree_pair_yield *sum) {
+    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    double before = stored(p, at);
+    struct scree_pair_instant from = *at;
+    place(p, &from, time, &nothing, at);
+    at->stretch = vec(0.0, 0.0, 0.0);
+    at->sliding = 0.0;
+    remember(p, at);
+    sum->lost += before - stored(p, at);
+}
+
+/* The rest of a step, from `start` on, of a contact that touches. */
+static void touch(const struct scree_pair_motion *p, struct scree_pair_instant *at, double start,
+                  struct scree_pair_yield *sum) {
+    double time = start, grid = (p->step - start) / p->substeps;
+    for (int k = 0, turned = 0; time < p->step && k < p->substeps;) {
+        struct scree_pair_yield part;
+        struct nearness near = nearness_of(p, at, p->step - time);
+        int last = near.since >= 0.0 || near.until >= 0.0 || k == p->substeps - 1;
+        double goal = last ? p->step : start + grid * (k + 1), piece = goal - time;
+        if (!(piece > 0.0)) { /* the piece before went further than its own goal */
+            k++;
+            continue;
+        }
+        struct scree_pair_instant to = go(p, at, near, piece, &part);
+        double closing = closing_of(p, at);
+        /* Laws may change where approach turns into parting; where nothing moves to speak of, no force does either. */
+        int turns = !turned && closing > 0.0 && closing_of(p, &to) < 0.0 && closing * piece > 1e-12 * at->overlap;
+        int ends = !turns && lasting(p, &to) < 0.0;
+        if (turns || ends) shorten(p, turns ? TURNS : ENDS, at, near, &piece, &to, &part);
+        if (ends && !(lasting(p, at) > 0.0)) { /* it ends before it begins */
+            fly(p, at, p->step - time, sum);
+            return;
+        }
+        int slips = shorten_to_slip(p, at, near, &piece, &to, &part);
+        if (slips) turns = ends = 0;
+        time = turns || ends || slips ? time + piece : goal;
+        if (!(time < p->step)) time = p->step;
+        add(sum, &part, p->step - time);
+        *at = to;
+        if (slips) at->sliding = 1.0;
+        turned = turns;
+        if (ends) {
+            fly(p, at, p->step - time, sum);
+            return;
+        }
+        if (time == goal) k = last ? p->substeps : k + 1;
+    }
+}
+
+/* ---- the beginning ---- */
+
+/* Time at which contact begins within the step, on the parabola of free flight; the step's length if it doesn't. `at` is moved
+ * there. */
+static double begin(const struct scree_pair_motion *p, struct scree_pair_instant *at, struct scree_pair_yield *sum) {
+    struct scree_pair_instant from = *at, end = *at;
+    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    double h = p->step, closing = closing_of(p, at), speeding = -vec_dot(p->a, p->n);
+    place(p, &from, h, &nothing, &end);
+    if (!(lasting(p, &end) > 0.0) || end.overlap <= 0.0) return h;
+    double start = 0.0;
+    if (from.overlap <= 0.0) {
+        double root = closing + sqrt(fmax(closing * closing - 2.0 * speeding * from.overlap, 0.0));
+        start = root > 0.0 ? fmin(-2.0 * from.overlap / root, h) : 0.0;
+    } else { /* overlapping still after its force was cut */
+        double low = 0.0, high = h;
+        for (int k = 0; k < 50; k++) {
+            start = 0.5 * (low + high);
+            place(p, &from, start, &nothing, &end);
+            if (lasting(p, &end) > 0.0)
+                high = start;
+            else
+                low = start;
+        }
+    }
+    struct scree_pair_yield flight = nothing;
+    fly(p, at, start, &flight);
+    if (from.overlap <= 0.0) at->overlap = 0.0;
+    sum->lost += flight.lost;
+    return start;
+}
+
+struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
+    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    int touches = at->overlap > 0.0;
+    if (p->normal->reach)
+        touches = touches || at->second > 0.0;
+    else if (p->normal->cut)
+        touches = touches && lasting(p, at) > 0.0;
+    double start = touches ? 0.0 : begin(p, at, &sum);
+    if (start < p->step && p->normal->reach &&
+        !(at->second > 0.0)) { /* bodies that attach are bound at once; books as in loop.c */
+        struct scree_pressing attached = {0.0, 0.0, 0.0, 1.0};
+        sum.lost -= p->normal->stored(p->normal_law, p->normal_pair, attached);
+    }
+    if (start < p->step)
+        touch(p, at, start, &sum);
+    else
+        fly(p, at, p->step, &sum);
+    return sum;
+}
