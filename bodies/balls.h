@@ -48,9 +48,10 @@ static inline void scree_ball_advance(const struct scree_record *record, struct 
     scree_row_put(l, state->l);
 }
 
-/* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. */
-static inline int scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
-                                        scree_row gravity, double margin) {
+/* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. Returns the square of the speed, with
+ * which the path has yet to grow: roots are taken for many balls at once. */
+static inline double scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
+                                           scree_row gravity) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};
     scree_row v = *(const scree_row *)state->v, square = v * v;
     scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
@@ -60,7 +61,7 @@ static inline int scree_ball_look_ahead(struct scree_record *record, const struc
     scree_row_put(scree_row_times(state->inverse_moment, ahead), record->w);
     scree_row_put(none, record->f);
     scree_row_put(none, record->t);
-    return scree_outgrown(record, step * sqrt(square[0] + square[1] + square[2]), margin);
+    return square[0] + square[1] + square[2];
 }
 
 #else
@@ -76,8 +77,8 @@ static inline void scree_ball_advance(const struct scree_record *record, struct 
     }
 }
 
-static inline int scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
-                                        scree_row gravity, double margin) {
+static inline double scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
+                                           scree_row gravity) {
     const double *v = state->v;
     for (int k = 0; k < 3; k++) {
         double kick = record->inverse_mass * record->f[k] + step * gravity[k];
@@ -86,7 +87,7 @@ static inline int scree_ball_look_ahead(struct scree_record *record, const struc
         record->w[k] = state->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
         record->f[k] = record->t[k] = 0.0;
     }
-    return scree_outgrown(record, step * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), margin);
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
 }
 #endif
 

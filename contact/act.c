@@ -1,8 +1,8 @@
 /* All near contacts through one step.
  *
  * Segment 0 first: its blocks yield impulses by as many threads, and these are added to the bodies one after the other. Then slabs:
- * those of even number, then those of odd number, whose contacts add straight to their bodies; no two slabs at work at
- * the same time have a body in common. So every sum has one order, for any number of threads. A body is finished when the
+ * those of even number, and those of odd number after both their neighbours, whose contacts add straight to their bodies; no
+ * two slabs at work at the same time have a body in common. So every sum has one order, for any number of threads. A body is finished when the
  * slab that it belongs to and the one before are. */
 #include "contact/loop.h"
 
@@ -79,6 +79,8 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
 
 /* ---- slabs ---- */
 
+enum { STRETCH = 4 }; /* slabs that a thread takes at once; even */
+
 struct slabs {
     struct scree_contacts *contacts;
     struct scree_bodies *bodies;
@@ -131,12 +133,24 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
     }
 }
 
+/* Slabs of a stretch, whose first is even: each odd one as soon as both its neighbours are done, while their bodies are at hand. The
+ * last one, if odd, waits for the neighbour beyond. */
+static void act_stretch(const struct slabs *all, int from, int to) {
+    for (int slab = from; slab < to; slab += 2) {
+        act_slab(all, slab);
+        if (slab > from) act_slab(all, slab - 1);
+    }
+}
+
 static void act_slabs(const struct slabs *all, int threads) {
-    (void)threads; /* without OpenMP */
-    int slabs = all->bodies->order.slabs;
-    for (int parity = 0; parity < 2; parity++) {
+    int slabs = all->bodies->order.slabs, stretch = threads > 1 ? STRETCH : SCREE_SLABS;
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-        for (int slab = parity; slab < slabs; slab += 2) act_slab(all, slab);
+    for (int from = 0; from < slabs; from += stretch)
+        act_stretch(all, from, from + stretch < slabs ? from + stretch : slabs);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (int from = 0; from < slabs; from += stretch) {
+        int last = (from + stretch < slabs ? from + stretch : slabs) - 1;
+        if (last % 2 == 1) act_slab(all, last);
     }
     add_tallies(all->contacts, all->bodies);
 }

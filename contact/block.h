@@ -31,16 +31,46 @@ static inline void store_columns(scree_row r[4], double (*column)[SCREE_LANES], 
 }
 #endif
 
+#ifdef __AVX512F__
+/* Two rows of a record in one. */
+typedef double wide_row __attribute__((vector_size(64), aligned(8), may_alias));
+
+/* Eight rows to eight columns, or back. */
+static inline void transpose_wide(wide_row r[8]) {
+    wide_row a[8], b[8];
+    for (int i = 0; i < 8; i += 2) { /* pairs of rows */
+        a[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+        a[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+    }
+    for (int i = 0; i < 8; i += 4) /* fours of rows */
+        for (int j = 0; j < 2; j++) {
+            b[i + j] = __builtin_shufflevector(a[i + j], a[i + j + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            b[i + j + 2] = __builtin_shufflevector(a[i + j], a[i + j + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+    for (int i = 0; i < 4; i++) {
+        r[i] = __builtin_shufflevector(b[i], b[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        r[i + 4] = __builtin_shufflevector(b[i], b[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+#endif
+
+/* The bodies of one block of contacts. */
+struct ends {
+    struct scree_record *ball[SCREE_LANES], *host[SCREE_LANES];
+};
+
 /* Columns of one block of contacts. */
 struct block {
-    double shift[4][SCREE_LANES];     /* from the host's centre to the ball body's, m; sum of radii */
+    /* from the host's centre to the ball body's, m; sum of radii */
+    _Alignas(64) double shift[4][SCREE_LANES];
     double rush[4][SCREE_LANES];      /* velocity of the ball's centre against the host's, m/s; sum of inverse masses */
     double ball_spin[4][SCREE_LANES]; /* rad/s; largest tolerable overlap, m */
     double host_spin[4][SCREE_LANES];
     double radius[SCREE_LANES];      /* of the ball, m */
     double n[3][SCREE_LANES];        /* unit normal, from the host towards the ball */
     double corner[3][SCREE_LANES];   /* from the ball body's centre to the ball, m; boxes only */
-    double arm[3][SCREE_LANES];      /* from the ball body's centre to the middle of the overlap, m */
+    double arm[3][SCREE_LANES];      /* from the ball body's centre to the middle of the overlap, m; not of two balls */
+    double lever[2][SCREE_LANES];    /* of two balls: from the centres of ball and host to there, m */
     double overlap[SCREE_LANES];     /* m */
     double closing[SCREE_LANES];     /* m/s */
     double slip[3][SCREE_LANES];     /* tangential velocity of the ball, m/s */
@@ -72,14 +102,35 @@ static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
 
 /* ---- gather ---- */
 
-#ifdef __AVX__
-/* Contacts lane … lane + 3. The fourth numbers of the rows are added instead of subtracted: sums of radii and of inverse masses. */
-static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
-                              struct block *b) {
+#ifdef __AVX512F__
+/* Contacts lane … lane + 7. The fourth numbers of the rows are added instead of subtracted: sums of radii and of inverse masses. */
+static inline void fetch_some(const struct ends *ends, int lane, struct block *b) {
+    const wide_row sign = {1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0};
+    wide_row going[8], turning[8];
+    for (int i = 0; i < 8; i++) {
+        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
+        going[i] = *(const wide_row *)ball->x - *(const wide_row *)host->x * sign;
+        turning[i] =
+            __builtin_shufflevector(*(const scree_row *)ball->w, *(const scree_row *)host->w, 0, 1, 2, 3, 4, 5, 6, 7);
+        b->radius[lane + i] = ball->radius;
+    }
+    transpose_wide(going);
+    transpose_wide(turning);
+    for (int i = 0; i < 4; i++) {
+        *(wide_row *)&b->shift[i][lane] = going[i];
+        *(wide_row *)&b->rush[i][lane] = going[4 + i];
+        *(wide_row *)&b->ball_spin[i][lane] = turning[i];
+        *(wide_row *)&b->host_spin[i][lane] = turning[4 + i];
+    }
+}
+
+#elif defined __AVX__
+/* The same for lanes … lane + 3. */
+static inline void fetch_some(const struct ends *ends, int lane, struct block *b) {
     const scree_row sign = {1.0, 1.0, 1.0, -1.0};
     scree_row shift[4], rush[4], ball_spin[4], host_spin[4];
     for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
+        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
         shift[i] = *(const scree_row *)ball->x - *(const scree_row *)host->x * sign;
         rush[i] = *(const scree_row *)ball->v - *(const scree_row *)host->v * sign;
         ball_spin[i] = *(const scree_row *)ball->w;
@@ -94,10 +145,9 @@ static inline void fetch_four(const struct scree_record *record, const struct sc
 
 #else
 /* Processors without such rows: number by number, which compilers do better than rows in halves. */
-static inline void fetch_four(const struct scree_record *record, const struct scree_contact *const contact[4], int lane,
-                              struct block *b) {
-    for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = &record[contact[i]->ball], *host = &record[contact[i]->host];
+static inline void fetch_some(const struct ends *ends, int lane, struct block *b) {
+    for (int i = 0; i < WIDTH; i++) {
+        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
         for (int k = 0; k < 3; k++) {
             b->shift[k][lane + i] = ball->x[k] - host->x[k];
             b->rush[k][lane + i] = ball->v[k] - host->v[k];
@@ -113,12 +163,21 @@ static inline void fetch_four(const struct scree_record *record, const struct sc
 }
 #endif
 
-static void fetch(const struct scree_bodies *bodies, const struct scree_contact *contact, int count, struct block *b) {
-    for (int lane = 0; lane < padded(count); lane += 4) {
-        const struct scree_contact *four[4];
-        for (int i = 0; i < 4; i++) four[i] = &contact[lane + i < count ? lane + i : count - 1];
-        fetch_four(bodies->record, four, lane, b);
+/* Padding repeats the last contact. */
+static inline void find_ends(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                             struct ends *ends) {
+    for (int k = 0; k < count; k++) {
+        ends->ball[k] = &bodies->record[contact[k].ball];
+        ends->host[k] = &bodies->record[contact[k].host];
     }
+    for (int k = count; k < padded(count); k++) {
+        ends->ball[k] = ends->ball[count - 1];
+        ends->host[k] = ends->host[count - 1];
+    }
+}
+
+static void fetch(const struct ends *ends, int count, struct block *b) {
+    for (int lane = 0; lane < padded(count); lane += WIDTH) fetch_some(ends, lane, b);
 }
 
 static void meet_balls(int count, struct block *b) {
@@ -126,9 +185,19 @@ static void meet_balls(int count, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct vec apart = vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]);
-        struct scree_meeting m = scree_meet_ball(apart, b->shift[3][k], origin, 0.0);
+        double radii = b->shift[3][k];
+        struct scree_meeting m = scree_meet_ball(apart, radii, origin, 0.0);
+        struct scree_roll roll =
+            scree_roll_of(m.normal, m.overlap, b->radius[k], radii, vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
+                          vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]),
+                          vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
         put(b->n, k, m.normal);
+        put(b->slip, k, roll.slip);
         b->overlap[k] = m.overlap;
+        b->closing[k] = roll.closing;
+        b->touching[k] = b->share[k] = m.overlap > 0.0 ? 1.0 : 0.0;
+        b->lever[0][k] = roll.lever;
+        b->lever[1][k] = roll.other;
     }
 }
 
@@ -157,11 +226,11 @@ static inline void meet_others(const struct scree_bodies *bodies, const struct s
     }
 }
 
-static inline void move_all(int count, int corners, struct block *b) {
+static void move_all(int count, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
-        struct vec corner = corners ? vec(b->corner[0][k], b->corner[1][k], b->corner[2][k]) : vec(0.0, 0.0, 0.0);
+        struct vec corner = vec(b->corner[0][k], b->corner[1][k], b->corner[2][k]);
         struct scree_gait gait =
             scree_gait_of(n, b->overlap[k], b->radius[k], corner, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]),
                           vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
@@ -170,21 +239,21 @@ static inline void move_all(int count, int corners, struct block *b) {
         put(b->arm, k, gait.arm);
         put(b->slip, k, gait.slip);
         b->closing[k] = gait.closing;
-        b->touching[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
+        b->touching[k] = b->share[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
     }
 }
 
-/* Share of the step during which the bodies touch: 1 or 0, but for the steps in which they meet or part. Where a block has none of
- * these, it does without divisions. */
+/* Whether some bodies meet or part within the step, or may: blocks without such contacts need nothing of the kind. */
+static int some_meet_or_part(const struct block *b, int count, double step) {
+    int some = 0;
+    _Pragma("omp simd reduction(| : some)")
+    for (int k = 0; k < padded(count); k++)
+        some |= !(fabs(b->overlap[k]) >= step * fabs(b->closing[k]) + SCREE_NO_SPEED);
+    return some;
+}
+
+/* Share of the step during which the bodies touch: 1 or 0, as `touching`, but for the steps in which they meet or part. */
 static void share_out(int count, double step, struct block *b) {
-    int parting = 0;
-    _Pragma("omp simd reduction(| : parting)")
-    for (int k = 0; k < padded(count); k++) {
-        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
-        b->share[k] = b->overlap[k] > 0.0 ? 1.0 : 0.0;
-        parting |= !(fabs(b->overlap[k]) >= way);
-    }
-    if (!parting) return;
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
@@ -194,13 +263,12 @@ static void share_out(int count, double step, struct block *b) {
     }
 }
 
-static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                   enum scree_geometry geometry, struct block *b) {
-    fetch(bodies, contact, count, b);
+static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, const struct ends *ends,
+                   int count, enum scree_geometry geometry, struct block *b) {
+    fetch(ends, count, b);
     switch (geometry) { /* constant arguments: each case becomes a loop of its own */
     case SCREE_BALL_BALL:
         meet_balls(count, b);
-        move_all(count, 0, b);
         return;
     case SCREE_BALL_PLANE:
         meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
@@ -211,13 +279,12 @@ static void gather(const struct scree_bodies *bodies, const struct scree_contact
     case SCREE_BALL_IMAGE:
         bring_images(bodies, contact, count, b);
         meet_balls(count, b);
-        move_all(count, 0, b);
         return;
     default:
         meet_others(bodies, contact, count, SCREE_BALL_BOX, b);
         break;
     }
-    move_all(count, 1, b);
+    move_all(count, b);
 }
 
 /* ---- edges on edges ---- */
@@ -234,7 +301,7 @@ static void gather_nothing(struct block *b, int lane, struct lean *lean) {
     put(b->arm, lane, zero);
     put(b->slip, lane, zero);
     b->overlap[lane] = SCREE_OUTSIDE;
-    b->touching[lane] = b->closing[lane] = 0.0;
+    b->touching[lane] = b->share[lane] = b->closing[lane] = 0.0;
     put(lean->force, lane, zero);
     put(lean->turn_ball, lane, zero);
     put(lean->turn_host, lane, zero);
@@ -249,7 +316,7 @@ static void gather_crossing(const struct scree_bodies *bodies, const struct scre
     put(b->arm, lane, gait.arm);
     put(b->slip, lane, gait.slip);
     b->overlap[lane] = c.meeting.overlap;
-    b->touching[lane] = c.meeting.overlap > 0.0 ? 1.0 : 0.0;
+    b->touching[lane] = b->share[lane] = c.meeting.overlap > 0.0 ? 1.0 : 0.0;
     b->closing[lane] = gait.closing;
     put(lean->force, lane, vec_sub(c.force, n));
     put(lean->turn_ball, lane, vec_sub(c.turn_a, vec_cross(c.point, n)));
@@ -276,7 +343,9 @@ static int gather_crossings(const struct scree_bodies *bodies, const struct scre
     for (; first_run + runs < batch->runs && run[runs].start < start + count; runs++)
         any |= may[runs] = may_cross(bodies, &contact[run[runs].start], &run[runs]);
     if (!any) return 0;
-    fetch(bodies, contact + start, count, b);
+    struct ends ends;
+    find_ends(bodies, contact + start, count, &ends);
+    fetch(&ends, count, b);
     for (int lane = 0, own = 0; lane < padded(count); lane++) {
         if (own + 1 < runs && start + lane == run[own + 1].start) own++;
         if (lane < count && may[own])

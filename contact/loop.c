@@ -1,7 +1,7 @@
 /* The contact loop: blocks of contacts go through short passes over columns that stay in the L1 cache,
  *   fetch      body records, subtracted row by row
  *   meet       normal and overlap
- *   move       arms, relative velocity
+ *   move       arms, relative velocity (two balls: with `meet`)
  *   normal     the normal law
  *   friction   the friction law with its memory
  *   rolling    the rolling law with its memory, where there is one
@@ -180,50 +180,89 @@ static law_pass *const friction_passes[] = {SCREE_FRICTION_LAWS(ENTRY)};
 
 /* ---- what comes out ---- */
 
-/* Impulse and angular impulses of one contact. Without friction a ball at the centre of its body can't turn it. */
+/* What a contact does to its bodies: a constant for each loop over contacts. */
+enum { RUBS = 1, TURNS = 2, ROLLS = 4, BALLS = 8 };
+
+static inline int deeds_of(const struct scree_batch *batch, const struct scree_rule *rule) {
+    int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE ? BALLS : 0;
+    if (rule->rolling >= 0) return balls | TURNS | ROLLS | (rule->friction >= 0 ? RUBS : 0);
+    if (rule->friction >= 0) return balls | TURNS | RUBS;
+    return batch->any_turns ? TURNS : 0; /* without friction a ball at the centre of its body can't turn it */
+}
+
+/* Impulse and angular impulses of one contact. */
 struct kick {
     struct vec impulse, turn_ball, turn_host;
 };
 
-static inline struct kick kick_of(const struct block *b, int k, double step, int friction, int turns, int rolls) {
+static INLINE struct kick kick_of(const struct block *b, int k, double step, int deeds) {
     struct kick kick = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    struct vec j = vec_scale(step * b->force[k], vec(b->n[0][k], b->n[1][k], b->n[2][k]));
-    if (friction) j = vec_axpy(j, step, vec(b->friction[0][k], b->friction[1][k], b->friction[2][k]));
+    struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), j = vec_scale(step * b->force[k], n);
+    if (deeds & RUBS) j = vec_axpy(j, step, vec(b->friction[0][k], b->friction[1][k], b->friction[2][k]));
     kick.impulse = j;
-    if (!turns) return kick;
-    struct vec arm = vec(b->arm[0][k], b->arm[1][k], b->arm[2][k]);
-    struct vec reach = vec_add(arm, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]));
-    kick.turn_ball = vec_cross(arm, j);
-    kick.turn_host = vec(reach.z * j.y - reach.y * j.z, reach.x * j.z - reach.z * j.x, reach.y * j.x - reach.x * j.y);
-    if (!rolls) return kick;
-    struct vec torque = vec(b->torque[0][k], b->torque[1][k], b->torque[2][k]);
-    kick.turn_ball = vec_axpy(kick.turn_ball, step, torque);
-    kick.turn_host = vec_sub(kick.turn_host, vec_scale(step, torque));
+    if (deeds & TURNS && deeds & BALLS) {
+        struct vec turn = vec_cross(n, j);
+        kick.turn_ball = vec_scale(-b->lever[0][k], turn);
+        kick.turn_host = vec_scale(-b->lever[1][k], turn);
+    } else if (deeds & TURNS) {
+        struct vec arm = vec(b->arm[0][k], b->arm[1][k], b->arm[2][k]);
+        struct vec reach = vec_add(arm, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]));
+        kick.turn_ball = vec_cross(arm, j);
+        kick.turn_host = vec_cross(j, reach);
+    }
+    if (deeds & ROLLS) {
+        struct vec torque = vec(b->torque[0][k], b->torque[1][k], b->torque[2][k]);
+        kick.turn_ball = vec_axpy(kick.turn_ball, step, torque);
+        kick.turn_host = vec_sub(kick.turn_host, vec_scale(step, torque));
+    }
     return kick;
 }
 
-static inline void write_kicks(const struct block *b, int count, double step, int friction, int turns, int rolls,
-                               struct scree_yield *yield) {
+/* CALL(deeds), with each value that these can have as a constant. */
+#define FOR_DEEDS(deeds, CALL)                                                                                         \
+    switch (deeds) {                                                                                                   \
+    case 0:                                                                                                            \
+        CALL(0);                                                                                                       \
+        break;                                                                                                         \
+    case TURNS:                                                                                                        \
+        CALL(TURNS);                                                                                                   \
+        break;                                                                                                         \
+    case RUBS | TURNS:                                                                                                 \
+        CALL(RUBS | TURNS);                                                                                            \
+        break;                                                                                                         \
+    case RUBS | TURNS | BALLS:                                                                                         \
+        CALL(RUBS | TURNS | BALLS);                                                                                    \
+        break;                                                                                                         \
+    case TURNS | ROLLS:                                                                                                \
+        CALL(TURNS | ROLLS);                                                                                           \
+        break;                                                                                                         \
+    case TURNS | ROLLS | BALLS:                                                                                        \
+        CALL(TURNS | ROLLS | BALLS);                                                                                   \
+        break;                                                                                                         \
+    case RUBS | TURNS | ROLLS:                                                                                         \
+        CALL(RUBS | TURNS | ROLLS);                                                                                    \
+        break;                                                                                                         \
+    default:                                                                                                           \
+        CALL(RUBS | TURNS | ROLLS | BALLS);                                                                            \
+        break;                                                                                                         \
+    }
+
+static INLINE void write_kicks(const struct block *b, int count, double step, int deeds, struct scree_yield *yield) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        struct kick kick = kick_of(b, k, step, friction, turns, rolls);
+        struct kick kick = kick_of(b, k, step, deeds);
         put(yield->impulse, k, kick.impulse);
-        if (!turns) continue;
+        if (!(deeds & TURNS)) continue;
         put(yield->turn_ball, k, kick.turn_ball);
         put(yield->turn_host, k, kick.turn_host);
     }
 }
 
-static void write_yield(const struct block *b, int count, const struct scree_batch *batch, int friction, int rolls,
-                        double step, struct scree_yield *yield) {
-    if (rolls)
-        write_kicks(b, count, step, friction, 1, 1, yield);
-    else if (friction)
-        write_kicks(b, count, step, 1, 1, 0, yield);
-    else if (batch->any_turns)
-        write_kicks(b, count, step, 0, 1, 0, yield);
-    else
-        write_kicks(b, count, step, 0, 0, 0, yield);
+static void write_yield(const struct block *b, int count, const struct scree_batch *batch, int deeds, double step,
+                        struct scree_yield *yield) {
+#define WRITE(constant) write_kicks(b, count, step, constant, yield)
+    FOR_DEEDS(deeds, WRITE)
+#undef WRITE
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         double limit = b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
@@ -265,10 +304,7 @@ static void press_and_rub(struct block *b, int count, const struct scree_rule *r
 /* The stretch of a slider's spring counts from the touch, not from the beginning of the step in which bodies meet: without this friction
  * is of first order. Until the middle of the step, to which the laws add half of it, that is overlap/closing. */
 static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
-    int meeting = 0;
-    _Pragma("omp simd reduction(| : meeting)")
-    for (int k = 0; k < padded(count); k++) meeting |= (b->overlap[k] > 0.0) & (b->overlap[k] < step * b->closing[k]);
-    for (int k = 0; meeting && k < count; k++) {
+    for (int k = 0; k < count; k++) {
         if (!(b->overlap[k] > 0.0 && b->overlap[k] < step * b->closing[k])) continue;
         if (kept[0][k] != 0.0 || kept[1][k] != 0.0 || kept[2][k] != 0.0) continue;
         double since = b->overlap[k] / b->closing[k] - 0.5 * step;
@@ -284,17 +320,20 @@ static void press_gathered(const struct scree_contacts *contacts, const struct s
     double *kept[SCREE_MEMORY];
     for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
     for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
-    share_out(count, step, b);
-    const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
-    if (friction && friction->slider && !friction->in_force) begin_stretches(b, count, step, kept);
+    if (some_meet_or_part(b, count, step)) {
+        const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
+        share_out(count, step, b);
+        if (friction && friction->slider && !friction->in_force) begin_stretches(b, count, step, kept);
+    }
     press_and_rub(b, count, rule, pair, kept, step);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
 }
 
 /* All passes but the last. */
 static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                  const struct scree_batch *batch, int first, int count, double step, struct block *b) {
-    gather(bodies, batch->contact + first, count, batch->geometry, b);
+                  const struct scree_batch *batch, const struct ends *ends, int first, int count, double step,
+                  struct block *b) {
+    gather(bodies, batch->contact + first, ends, count, batch->geometry, b);
     press_gathered(contacts, batch, first, count, step, b);
 }
 
@@ -303,7 +342,7 @@ static void finish(const struct scree_contacts *contacts, const struct scree_bat
                    int count, double step, struct scree_yield *yield) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
-    write_yield(b, count, batch, friction, rolls, step, yield);
+    write_yield(b, count, batch, deeds_of(batch, rule), step, yield);
     if (!contacts->measured) return;
     struct losses losses = measure_losses(b, count, step, friction, rolls, snaps);
     yield->lost_normal = losses.normal;
@@ -353,88 +392,130 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
         act_edges(contacts, bodies, batch, first, count, step, yield);
         return;
     }
-    press(contacts, bodies, batch, first, count, step, &b);
+    struct ends ends;
+    find_ends(bodies, batch->contact + first, count, &ends);
+    press(contacts, bodies, batch, &ends, first, count, step, &b);
     finish(contacts, batch, &b, count, step, yield);
 }
 
 /* ---- straight into the bodies ---- */
 
-/* Columns of impulses and angular impulses; those of their fourth rows are zero. */
+/* Columns of impulses and angular impulses on the ball, and what is taken from the host: angular impulses with the other sign. Fourth
+ * columns are zero. */
 struct kicks {
-    double impulse[4][SCREE_LANES], turn_ball[4][SCREE_LANES], turn_host[4][SCREE_LANES];
+    _Alignas(64) double impulse[4][SCREE_LANES];
+    double turn_ball[4][SCREE_LANES], turn_host[4][SCREE_LANES];
 };
 
-static inline void make_kicks(const struct block *b, int count, double step, int friction, int turns, int rolls,
-                              struct kicks *kicks) {
+/* Two balls that don't roll on torques of their own are turned along one direction, each by its lever: `turn_ball` is that. */
+static inline int by_levers(int deeds) { return deeds & TURNS && deeds & BALLS && !(deeds & ROLLS); }
+
+static INLINE void make_kicks(const struct block *b, int count, double step, int deeds, struct kicks *kicks) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        struct kick kick = kick_of(b, k, step, friction, turns, rolls);
+        struct kick kick = kick_of(b, k, step, deeds);
         put(kicks->impulse, k, kick.impulse);
-        if (!turns) continue;
-        put(kicks->turn_ball, k, kick.turn_ball);
-        put(kicks->turn_host, k, kick.turn_host);
+        struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
+        put(kicks->turn_ball, k, by_levers(deeds) ? vec_cross(n, kick.impulse) : kick.turn_ball);
+        if (!by_levers(deeds)) put(kicks->turn_host, k, vec_scale(-1.0, kick.turn_host));
     }
 }
 
-/* `hosts`: partners are pushed too; else they are frozen, and several slabs have them in common. */
-#ifdef __AVX__
-static inline void load_rows(double (*column)[SCREE_LANES], int lane, scree_row r[4]) {
-    for (int i = 0; i < 3; i++) r[i] = *(const scree_row *)&column[i][lane];
+/* Add the kicks of a block to its bodies. `hosts`: partners are pushed too; else they are frozen, and several slabs have them in
+ * common. */
+#if defined __AVX512F__
+static INLINE void load_kicks(double (*impulse)[SCREE_LANES], double (*turn)[SCREE_LANES], int lane, wide_row r[8]) {
+    const wide_row none = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    for (int i = 0; i < 3; i++) r[i] = *(const wide_row *)&impulse[i][lane];
+    for (int i = 0; i < 3; i++) r[4 + i] = *(const wide_row *)&turn[i][lane];
+    r[3] = r[7] = none;
+    transpose_wide(r);
+}
+
+static INLINE wide_row with_lever(double lever) { return (wide_row){1.0, 1.0, 1.0, 1.0, lever, lever, lever, lever}; }
+
+static INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                             struct kicks *kicks) {
+    for (int lane = 0; lane < count; lane += 8) {
+        wide_row on_ball[8], on_host[8];
+        load_kicks(kicks->impulse, kicks->turn_ball, lane, on_ball);
+        if (hosts && !by_levers(deeds)) load_kicks(kicks->impulse, kicks->turn_host, lane, on_host);
+        for (int i = 0; i < 8 && lane + i < count; i++) {
+            wide_row *ball = (wide_row *)ends->ball[lane + i]->f, *host = (wide_row *)ends->host[lane + i]->f;
+            if (by_levers(deeds)) {
+                *ball += on_ball[i] * with_lever(-b->lever[0][lane + i]);
+                if (hosts) *host -= on_ball[i] * with_lever(b->lever[1][lane + i]);
+            } else {
+                *ball += on_ball[i];
+                if (hosts) *host -= on_host[i];
+            }
+        }
+    }
+}
+#elif defined __AVX__
+static INLINE void load_kicks(double (*column)[SCREE_LANES], int lane, scree_row r[4]) {
+    for (int i = 0; i < 3; i++) r[i] = *(scree_row *)&column[i][lane];
     r[3] = (scree_row){0.0, 0.0, 0.0, 0.0};
     transpose(r);
 }
 
-static inline void add_kicks(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
-                             int hosts, struct kicks *kicks) {
+static INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                             struct kicks *kicks) {
     for (int lane = 0; lane < count; lane += 4) {
         scree_row impulse[4], turn_ball[4], turn_host[4];
-        load_rows(kicks->impulse, lane, impulse);
-        if (turns) load_rows(kicks->turn_ball, lane, turn_ball);
-        if (turns && hosts) load_rows(kicks->turn_host, lane, turn_host);
+        load_kicks(kicks->impulse, lane, impulse);
+        if (deeds & TURNS) load_kicks(kicks->turn_ball, lane, turn_ball);
+        if (deeds & TURNS && hosts && !by_levers(deeds)) load_kicks(kicks->turn_host, lane, turn_host);
         for (int i = 0; i < 4 && lane + i < count; i++) {
-            struct scree_record *ball = &bodies->record[contact[lane + i].ball];
-            struct scree_record *host = &bodies->record[contact[lane + i].host];
+            struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
             *(scree_row *)ball->f += impulse[i];
-            if (turns) *(scree_row *)ball->t += turn_ball[i];
-            if (!hosts) continue;
-            *(scree_row *)host->f -= impulse[i];
-            if (turns) *(scree_row *)host->t += turn_host[i];
+            if (hosts) *(scree_row *)host->f -= impulse[i];
+            if (by_levers(deeds)) {
+                *(scree_row *)ball->t += scree_row_times(-b->lever[0][lane + i], turn_ball[i]);
+                if (hosts) *(scree_row *)host->t -= scree_row_times(b->lever[1][lane + i], turn_ball[i]);
+            } else if (deeds & TURNS) {
+                *(scree_row *)ball->t += turn_ball[i];
+                if (hosts) *(scree_row *)host->t -= turn_host[i];
+            }
         }
     }
 }
 #else
-static inline void add_kicks(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
-                             int hosts, struct kicks *kicks) {
+static INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                             struct kicks *kicks) {
     for (int lane = 0; lane < count; lane++) {
-        struct scree_record *ball = &bodies->record[contact[lane].ball];
-        struct scree_record *host = &bodies->record[contact[lane].host];
+        struct scree_record *ball = ends->ball[lane], *host = ends->host[lane];
         for (int k = 0; k < 3; k++) {
             ball->f[k] += kicks->impulse[k][lane];
-            if (turns) ball->t[k] += kicks->turn_ball[k][lane];
-            if (!hosts) continue;
-            host->f[k] -= kicks->impulse[k][lane];
-            if (turns) host->t[k] += kicks->turn_host[k][lane];
+            if (hosts) host->f[k] -= kicks->impulse[k][lane];
+            if (by_levers(deeds)) {
+                ball->t[k] += -b->lever[0][lane] * kicks->turn_ball[k][lane];
+                if (hosts) host->t[k] -= b->lever[1][lane] * kicks->turn_ball[k][lane];
+            } else if (deeds & TURNS) {
+                ball->t[k] += kicks->turn_ball[k][lane];
+                if (hosts) host->t[k] -= kicks->turn_host[k][lane];
+            }
         }
     }
 }
 #endif
 
-static void push(const struct block *b, struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                 const struct scree_batch *batch, int friction, int rolls, double step) {
+static INLINE void push_as(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                           double step) {
     struct kicks kicks;
+    make_kicks(b, count, step, deeds, &kicks);
+    if (hosts)
+        add_kicks(ends, b, count, 1, deeds, &kicks);
+    else
+        add_kicks(ends, b, count, 0, deeds, &kicks);
+}
+
+static void push(const struct ends *ends, const struct block *b, int count, const struct scree_batch *batch, int deeds,
+                 double step) {
     int hosts = batch->geometry == SCREE_BALL_BALL;
-    if (rolls)
-        make_kicks(b, count, step, friction, 1, 1, &kicks);
-    else if (friction)
-        make_kicks(b, count, step, 1, 1, 0, &kicks);
-    else
-        make_kicks(b, count, step, 0, 0, 0, &kicks);
-    if (!friction && !rolls)
-        add_kicks(bodies, contact, count, 0, hosts, &kicks);
-    else if (hosts)
-        add_kicks(bodies, contact, count, 1, 1, &kicks);
-    else
-        add_kicks(bodies, contact, count, 1, 0, &kicks);
+#define PUSH(constant) push_as(ends, b, count, hosts, constant, step)
+    FOR_DEEDS(deeds, PUSH)
+#undef PUSH
 }
 
 /* Limit of the overlap in a lane, m. */
@@ -470,17 +551,32 @@ static void note_slopes(const struct block *b, const struct scree_contact *conta
     }
 }
 
+/* The ends of a block before it is due, so that the records of partners are on their way from memory; balls come in rows anyway. */
+static void foresee_ends(const struct scree_bodies *bodies, const struct scree_contact *contact, int left,
+                         struct ends *ends) {
+    int count = left < SCREE_LANES ? left : SCREE_LANES;
+    if (count <= 0) return;
+    find_ends(bodies, contact, count, ends);
+    for (int k = 0; k < count; k++)
+        for (size_t line = 0; line < sizeof(struct scree_record); line += 64)
+            __builtin_prefetch((const char *)ends->host[k] + line, 1);
+}
+
 static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
                          const struct scree_batch *batch, int first, int count, double step,
                          struct scree_tally *tally) {
     struct block b;
+    struct ends ends[2];
     const struct scree_rule *rule = &contacts->rule[batch->rule];
+    const struct scree_contact *contact = batch->contact + first;
     int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
-    for (int done = 0; done < count; done += SCREE_LANES) {
+    int deeds = deeds_of(batch, rule), turn = 0;
+    foresee_ends(bodies, contact, count, &ends[turn]);
+    for (int done = 0; done < count; done += SCREE_LANES, contact += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
-        const struct scree_contact *contact = batch->contact + first + done;
-        press(contacts, bodies, batch, first + done, here, step, &b);
-        push(&b, bodies, contact, here, batch, friction, rolls, step);
+        foresee_ends(bodies, contact + here, count - done - here, &ends[!turn]);
+        press(contacts, bodies, batch, &ends[turn], first + done, here, step, &b);
+        push(&ends[turn], &b, here, batch, deeds, step);
         note_depths(&b, contact, here, tally);
         if (batch->slope != 0.0) note_slopes(&b, contact, here, batch->slope, step, tally);
         if (contacts->measured) {
@@ -493,19 +589,34 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
 
 /* ---- bodies ---- */
 
-static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go) {
-    int too_far = 0;
+/* In two passes over some bodies at a time: a root at the end of each body's chain would hold up the next. */
+static int move_some(struct scree_bodies *bodies, int from, int count, const struct scree_departure *go) {
+    double square[SCREE_LANES], way[SCREE_LANES];
     scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
-    for (int k = from; k < to; k++) {
-        if (bodies->class[k] != SCREE_CLASS_BALL) {
-            memset(bodies->record[k].f, 0, sizeof bodies->record[k].f);
-            memset(bodies->record[k].t, 0, sizeof bodies->record[k].t);
+    int too_far = 0;
+    for (int k = 0; k < count; k++) {
+        struct scree_record *record = &bodies->record[from + k];
+        square[k] = 0.0;
+        if (bodies->class[from + k] != SCREE_CLASS_BALL) {
+            memset(record->f, 0, sizeof record->f);
+            memset(record->t, 0, sizeof record->t);
             continue;
         }
-        scree_ball_advance(&bodies->record[k], &bodies->state[k], go->step, gravity);
-        if (go->ahead)
-            too_far |= scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], go->step, next, go->margin);
+        struct scree_state *state = &bodies->state[from + k];
+        scree_ball_advance(record, state, go->step, gravity);
+        if (go->ahead) square[k] = scree_ball_look_ahead(record, state, go->step, next);
     }
+    if (!go->ahead) return 0;
+    _Pragma("omp simd")
+    for (int k = 0; k < count; k++) way[k] = go->step * sqrt(square[k]);
+    for (int k = 0; k < count; k++) too_far |= scree_outgrown(&bodies->record[from + k], way[k], go->margin);
+    return too_far;
+}
+
+static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go) {
+    int too_far = 0;
+    for (int k = from; k < to; k += SCREE_LANES)
+        too_far |= move_some(bodies, k, to - k < SCREE_LANES ? to - k : SCREE_LANES, go);
     return too_far;
 }
 

@@ -55,8 +55,14 @@ static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct
     }
     struct vec corner = scree_corner_of(bodies, contact, geometry);
     *m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
-    return scree_gait_of(m->normal, m->overlap, ball->radius, corner, scree_apart(bodies, contact, geometry),
-                         vec_sub(vec_from(ball->v), vec_from(host->v)), vec_from(ball->w), vec_from(host->w));
+    struct vec velocity = vec_sub(vec_from(ball->v), vec_from(host->v)), none = {0.0, 0.0, 0.0};
+    if (geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE) {
+        struct scree_roll roll = scree_roll_of(m->normal, m->overlap, ball->radius, ball->radius + host->radius,
+                                               velocity, vec_from(ball->w), vec_from(host->w));
+        return (struct scree_gait){vec_axpy(none, -roll.lever, m->normal), roll.slip, roll.closing};
+    }
+    return scree_gait_of(m->normal, m->overlap, ball->radius, corner, scree_apart(bodies, contact, geometry), velocity,
+                         vec_from(ball->w), vec_from(host->w));
 }
 
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,

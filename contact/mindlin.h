@@ -10,7 +10,7 @@
 #include "contact/law.h"
 
 enum { MINDLIN_STATIC, MINDLIN_KINETIC, MINDLIN_SHEAR, MINDLIN_ZETA };
-enum { MINDLIN_SPRING, MINDLIN_DASHPOT }; /* pair constants: 8 G* sqrt(R); 2 zeta sqrt(m) */
+enum { MINDLIN_SPRING, MINDLIN_DASHPOT }; /* pair constants: K = 8 G* sqrt(R); 2 zeta sqrt(m K) */
 
 static const struct scree_parameter mindlin_parameters[] = {
     {.name = "static", .unit = "1", .meaning = "coefficient mu_s while sticking", .range = SCREE_NOT_NEGATIVE},
@@ -37,8 +37,8 @@ static inline scree_status mindlin_bake(const struct scree_values *values, struc
 
 static inline struct scree_pair_constants mindlin_pair(const struct scree_law_constants *law, double mass,
                                                        double radius) {
-    return (struct scree_pair_constants){
-        {8.0 * law->c[MINDLIN_SHEAR] * sqrt(radius), 2.0 * law->c[MINDLIN_ZETA] * sqrt(mass)}};
+    double spring = 8.0 * law->c[MINDLIN_SHEAR] * sqrt(radius);
+    return (struct scree_pair_constants){{spring, 2.0 * law->c[MINDLIN_ZETA] * sqrt(mass * spring)}};
 }
 
 /* Never zero, so that it can divide, and large enough for the squares of its forces: 1e-100 N/m are no stiffness. */
@@ -53,9 +53,11 @@ static inline struct scree_hold mindlin_hold(const struct scree_law_constants *l
     return (struct scree_hold){at.sliding > 0.0 ? kinetic : law->c[MINDLIN_STATIC] * at.normal, kinetic};
 }
 
+/* 2 zeta sqrt(m k_t); the fourth root of the overlap is one that Tsuji's dashpot takes too. */
 static inline double mindlin_damping(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                      double overlap) {
-    return pair.c[MINDLIN_DASHPOT] * sqrt(mindlin_stiffness(law, pair, overlap));
+    (void)law;
+    return pair.c[MINDLIN_DASHPOT] * sqrt(sqrt(overlap > 0.0 ? overlap : 0.0));
 }
 
 #endif

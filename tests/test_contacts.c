@@ -379,7 +379,7 @@ static struct vec turn_by_hand(const scree_scene *scene, const struct scree_rule
     if (!scree_contacts_measure(&scene->contacts, &scene->bodies, batch, index, &touch)) return vec(0.0, 0.0, 0.0);
     const struct scree_record *ball = &scene->bodies.record[touch.ball], *host = &scene->bodies.record[touch.host];
     struct scree_meeting m = scree_meet_ball(vec_from(ball->x), ball->radius, vec_from(host->x), host->radius);
-    struct vec turn = vec_cross(vec_axpy(vec(0.0, 0.0, 0.0), 0.5 * m.overlap - ball->radius, m.normal), j);
+    struct vec turn = vec_scale(0.5 * m.overlap - ball->radius, vec_cross(m.normal, j));
     if (rule->rolling < 0) return turn;
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
