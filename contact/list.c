@@ -6,7 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double steps_ahead = 200.0; /* that a body's margin lasts at its speed */
+/* Steps that a body's margin is to last at its speed. A margin m lets some 9 m/R contacts more per body into the near list, each of
+ * which costs every step; a new list costs as much as five contacts: so the sum is least at sqrt(R/(2 w)) steps, where w is the mean
+ * way of a body in one step, and R, about 2.5 skins, its radius. */
+static double steps_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    double way = 0.0;
+    for (int k = bodies->order.members; k < bodies->count; k++) way += vec_norm(vec_from(bodies->record[k].v));
+    way *= contacts->step / (bodies->count - bodies->order.members);
+    return fmax(fmin(sqrt(1.25 * contacts->skin / way), 400.0), 20.0);
+}
 
 /* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
 double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
@@ -215,15 +223,14 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
     return SCREE_OK;
 }
 
-/* Give a body a margin out of what is left of its half of the skin: so wide that it lasts for some steps. 0 if too little is
- * left. */
-static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
+/* Give a body a margin out of what is left of its half of the skin: so wide that it lasts for `steps`. 0 if too little is left. */
+static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
     double speed =
         vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * (bodies->slot[k] < 0 ? 0.0 : record->bound);
     double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
-    double margin = fmin(fmax(steps_ahead * way, least), most);
+    double margin = fmin(fmax(steps * way, least), most);
     margin = fmin(fmax(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
     contacts->spare[k] = spare - margin;
@@ -233,12 +240,12 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
 
 /* Margins after an outer list: narrow ones where bodies are many, all of the skin where they are few. */
 static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
-    double half = 0.5 * contacts->skin;
+    double half = 0.5 * contacts->skin, steps = bodies->order.slabs ? steps_ahead(contacts, bodies) : 0.0;
     for (int k = 0; k < bodies->count; k++) {
         int narrow = bodies->order.slabs > 0, fixed = bodies->class[k] == SCREE_CLASS_FIXED;
         contacts->spare[k] = narrow ? half : 0.0;
         bodies->record[k].path = fixed ? half : 0.0;
-        if (!narrow || fixed || grant(contacts, bodies, k)) continue;
+        if (!narrow || fixed || grant(contacts, bodies, k, steps)) continue;
         bodies->record[k].path = contacts->spare[k] = 0.0; /* so fast that it takes all at once */
     }
 }
@@ -338,10 +345,11 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin;
     if (bodies->order.slabs == 0) return scree_contacts_list(contacts, bodies, trouble);
+    double steps = steps_ahead(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
-        if (!grant(contacts, bodies, k)) return scree_contacts_list(contacts, bodies, trouble);
+        if (!grant(contacts, bodies, k, steps)) return scree_contacts_list(contacts, bodies, trouble);
     }
     contacts->renewals++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);
