@@ -171,7 +171,7 @@ static struct stages time_stages(scree_scene *scene, int bodies, int threads, in
     check(scene, scree_contacts_pick(&scene->contacts, &scene->bodies, threads, NULL));
     stages.near = (bench_now() - start) / bodies * 1e9;
     start = bench_now();
-    check(scene, scree_contacts_list(&scene->contacts, &scene->bodies, NULL));
+    check(scene, scree_contacts_list(&scene->contacts, &scene->bodies, threads, NULL));
     stages.outer = (bench_now() - start) / bodies * 1e9;
     return stages;
 }

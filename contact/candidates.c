@@ -2,6 +2,7 @@
  * power of two of their size, so that a body of any size meets a few cells of its own grid and of each coarser one (Hierarchical
  * grids: Ericson, Real-Time Collision Detection, 2005, section 7.2). Planes, which have no bounds, meet everything. */
 #include "contact/contacts.h"
+#include "contact/geometry.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -56,14 +57,16 @@ static double in_box(const struct scree_bodies *bodies, double x, int axis) {
     return x - bodies->period[axis] * scree_periods_off(bodies, x, axis);
 }
 
-/* A cell's key; equal keys of different cells only cost time. */
+/* A cell's key, mixed axis by axis (Murmur's mixer, Appleby 2011); equal keys of different cells only cost time. */
+static uint64_t mix(uint64_t key, double cell) {
+    key = (key ^ (uint64_t)(int64_t)cell) * 0xff51afd7ed558ccdu;
+    return key ^ key >> 32;
+}
+
+static uint64_t key_of_level(int level) { return 0x9e3779b97f4a7c15u * (uint64_t)(level + 1); }
+
 static uint64_t key_of(int level, const double cell[3]) {
-    uint64_t key = 0x9e3779b97f4a7c15u * (uint64_t)(level + 1);
-    for (int axis = 0; axis < 3; axis++) {
-        key = (key ^ (uint64_t)(int64_t)cell[axis]) * 0xff51afd7ed558ccdu; /* Murmur's mixer (Appleby 2011) */
-        key ^= key >> 32;
-    }
-    return key;
+    return mix(mix(mix(key_of_level(level), cell[0]), cell[1]), cell[2]);
 }
 
 /* Each cell's bodies as a chain; cells whose keys fall on one place share a chain. */
@@ -83,151 +86,182 @@ static void fill_cells(struct scree_contacts *contacts, const struct scree_bodie
 
 static int bounds_meet(const struct scree_bodies *bodies, int i, int j, double skin) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
+    if (!is_bounded(bodies, i)) {
+        const struct mat *frame = &bodies->attitude[bodies->slot[i]].frame;
+        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= skin;
+    }
     double reach = a->bound + b->bound + skin;
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
     if (bodies->periodic) apart = scree_nearest_image(bodies, apart);
     return vec_norm2(apart) <= reach * reach;
 }
 
+/* What looks for partners, and where it puts what it finds. */
+struct seeker {
+    const struct scree_contacts *contacts;
+    const struct scree_bodies *bodies;
+    const struct grids *grids;
+    struct scree_found *found;
+    int failed; /* no memory */
+};
+
 /* Take up the pair if its bounds and its materials meet. */
-static scree_status add_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
-                             scree_trouble *trouble) {
-    if (!bounds_meet(bodies, i, j, contacts->skin)) return SCREE_OK;
-    if (!scree_contacts_rule(contacts, bodies, i, j, NULL)) return SCREE_OK;
-    if (contacts->pairs == contacts->pair_capacity) {
-        int capacity = contacts->pair_capacity ? 2 * contacts->pair_capacity : 64;
-        struct scree_body_pair *pair = realloc(contacts->pair, (size_t)capacity * sizeof *pair);
-        if (pair) contacts->pair = pair;
-        struct scree_body_pair *sorted = realloc(contacts->sorted, (size_t)capacity * sizeof *sorted);
-        if (sorted) contacts->sorted = sorted;
-        if (!pair || !sorted)
-            return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d candidate pairs", capacity);
-        contacts->pair_capacity = capacity;
+static void add_pair(struct seeker *s, int i, int j) {
+    struct scree_found *found = s->found;
+    if (!bounds_meet(s->bodies, i, j, s->contacts->skin)) return;
+    if (s->failed || !scree_contacts_rule(s->contacts, s->bodies, i, j, NULL)) return;
+    if (found->count == found->capacity) {
+        int capacity = 64 + found->capacity + found->capacity / 2;
+        s->failed = !scree_enlarge(&found->pair, found->capacity, capacity, sizeof *found->pair);
+        if (s->failed) return;
+        found->capacity = capacity;
     }
-    contacts->pair[contacts->pairs++] = (struct scree_body_pair){i < j ? i : j, i < j ? j : i};
-    return SCREE_OK;
+    found->pair[found->count++] = (struct scree_body_pair){i < j ? i : j, i < j ? j : i};
 }
 
-/* Partners of body k in one cell; `after`: only those of higher number, in its own cell, so that each pair is found once. */
-static scree_status look_into(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, int level,
-                              const double cell[3], int after, scree_trouble *trouble) {
-    uint64_t key = key_of(level, cell);
-    scree_status status = SCREE_OK;
-    for (int other = contacts->place[(size_t)key & contacts->last_place]; other >= 0 && !status;
-         other = contacts->next[other]) {
-        if (contacts->key[other] != key || contacts->level[other] != level) continue;
-        if (after && other <= k) continue;
-        status = add_pair(contacts, bodies, k, other, trouble);
-    }
-    return status;
+/* Partners of body k in the cell of a key; `after`: only those of higher number, in its own cell, so that each pair is found
+ * once. */
+static void look_into(struct seeker *s, int k, uint64_t key, int after) {
+    const struct scree_contacts *contacts = s->contacts;
+    for (int other = contacts->place[(size_t)key & contacts->last_place]; other >= 0; other = contacts->next[other])
+        if (contacts->key[other] == key && !(after && other <= k)) add_pair(s, k, other);
 }
 
 /* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are enough, since
  * the other half look from there. */
-static scree_status look_beside(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                const struct grids *grids, int k, scree_trouble *trouble) {
-    int level = contacts->level[k];
-    double size = cell_size(grids, level), own[3], cell[3];
-    for (int axis = 0; axis < 3; axis++) own[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
-    scree_status status = look_into(contacts, bodies, k, level, own, 1, trouble);
-    for (int n = 14; n < 27 && !status; n++) { /* 13 would be its own */
-        cell[0] = own[0] + (n / 9 - 1);
-        cell[1] = own[1] + (n / 3 % 3 - 1);
-        cell[2] = own[2] + (n % 3 - 1);
-        status = look_into(contacts, bodies, k, level, cell, 0, trouble);
+static void look_beside(struct seeker *s, int k) {
+    int level = s->contacts->level[k];
+    double size = cell_size(s->grids, level), own[3];
+    for (int axis = 0; axis < 3; axis++)
+        own[axis] = cell_of(in_box(s->bodies, s->bodies->record[k].x[axis], axis), size);
+    uint64_t same = mix(key_of_level(level), own[0]), next = mix(key_of_level(level), own[0] + 1.0);
+    look_into(s, k, mix(mix(same, own[1]), own[2]), 1);
+    look_into(s, k, mix(mix(same, own[1]), own[2] + 1.0), 0);
+    for (int z = -1; z <= 1; z++) look_into(s, k, mix(mix(same, own[1] + 1.0), own[2] + z), 0);
+    for (int y = -1; y <= 1; y++) {
+        uint64_t row = mix(next, own[1] + y);
+        for (int z = -1; z <= 1; z++) look_into(s, k, mix(row, own[2] + z), 0);
     }
-    return status;
 }
 
 /* Partners of body k in the grid of `level` around `at`: their centres are within its reach and half a cell, their own
  * largest reach. */
-static scree_status look_about(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, int level,
-                               const double at[3], double far, double size, int after, scree_trouble *trouble) {
+static void look_about(struct seeker *s, int k, int level, const double at[3], double far, double size, int after) {
     double low[3], high[3], cell[3];
     for (int axis = 0; axis < 3; axis++) {
         low[axis] = cell_of(at[axis] - far, size);
         high[axis] = cell_of(at[axis] + far, size);
     }
-    scree_status status = SCREE_OK;
-    for (cell[0] = low[0]; cell[0] <= high[0] && !status; cell[0] += 1.0)
-        for (cell[1] = low[1]; cell[1] <= high[1] && !status; cell[1] += 1.0)
-            for (cell[2] = low[2]; cell[2] <= high[2] && !status; cell[2] += 1.0)
-                status = look_into(contacts, bodies, k, level, cell, after, trouble);
-    return status;
+    for (cell[0] = low[0]; cell[0] <= high[0]; cell[0] += 1.0)
+        for (cell[1] = low[1]; cell[1] <= high[1]; cell[1] += 1.0)
+            for (cell[2] = low[2]; cell[2] <= high[2]; cell[2] += 1.0) look_into(s, k, key_of(level, cell), after);
 }
 
 /* The same in a coarser grid around the body, and around its images whose reach crosses the border of the periodic box. In its own
  * grid only these: what it can meet without crossing the border, look_beside finds. */
-static scree_status look_around(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                const struct grids *grids, int k, int level, scree_trouble *trouble) {
+static void look_around(struct seeker *s, int k, int level) {
+    const struct scree_bodies *bodies = s->bodies;
     const struct scree_record *record = &bodies->record[k];
-    double size = cell_size(grids, level), far = reach_of(contacts, record) + 0.5 * size, at[3];
-    int own = level == contacts->level[k];
-    if (!bodies->periodic) return look_about(contacts, bodies, k, level, record->x, far, size, 0, trouble);
+    double size = cell_size(s->grids, level), far = reach_of(s->contacts, record) + 0.5 * size, at[3];
+    int own = level == s->contacts->level[k];
+    if (!bodies->periodic) {
+        look_about(s, k, level, record->x, far, size, 0);
+        return;
+    }
     int first[3] = {0}, last[3] = {0}, image[3];
     for (int axis = 0; axis < 3; axis++) {
         double period = bodies->period[axis], from_low = in_box(bodies, record->x[axis], axis) - bodies->low[axis];
         first[axis] = period > 0.0 && from_low + far >= period ? -1 : 0;
         last[axis] = period > 0.0 && from_low - far <= 0.0 ? 1 : 0;
     }
-    scree_status status = SCREE_OK;
     for (image[0] = first[0]; image[0] <= last[0]; image[0]++)
         for (image[1] = first[1]; image[1] <= last[1]; image[1]++)
-            for (image[2] = first[2]; image[2] <= last[2] && !status; image[2]++) {
+            for (image[2] = first[2]; image[2] <= last[2]; image[2]++) {
                 if (own && image[0] == 0 && image[1] == 0 && image[2] == 0) continue;
                 for (int axis = 0; axis < 3; axis++)
                     at[axis] = in_box(bodies, record->x[axis], axis) + image[axis] * bodies->period[axis];
-                status = look_about(contacts, bodies, k, level, at, far, size, own, trouble);
+                look_about(s, k, level, at, far, size, own);
             }
-    return status;
 }
 
-static scree_status meet_planes(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                scree_trouble *trouble) {
-    scree_status status = SCREE_OK;
-    for (int plane = 0; plane < bodies->count; plane++) {
-        if (is_bounded(bodies, plane)) continue;
-        for (int k = 0; k < bodies->count && !status; k++)
-            if (is_bounded(bodies, k)) status = add_pair(contacts, bodies, plane, k, trouble);
+/* All partners of body k that it is its turn to find. */
+static void look(struct seeker *s, int k) {
+    const struct scree_contacts *contacts = s->contacts;
+    for (int p = 0; p < contacts->planes; p++) add_pair(s, contacts->plane[p], k);
+    look_beside(s, k);
+    for (int level = contacts->level[k] + !s->bodies->periodic; level <= s->grids->highest; level++)
+        if (s->grids->used[level]) look_around(s, k, level);
+}
+
+/* The pairs of body i, from `first` to `end`, in order of j as they come, from place `kept` on; those found twice, through cells with
+ * equal keys, once. Returns the place after the last. */
+static int order_partners(struct scree_body_pair *pair, int first, int end, int kept) {
+    int begin = kept;
+    for (int p = first; p < end; p++) {
+        struct scree_body_pair one = pair[p];
+        int place = kept;
+        while (place > begin && pair[place - 1].j > one.j) place--;
+        if (place > begin && pair[place - 1].j == one.j) continue;
+        for (int q = kept++; q > place; q--) pair[q] = pair[q - 1];
+        pair[place] = one;
     }
-    return status;
+    return kept;
 }
 
-/* By (i, j): a count of each i gives its place, then its few j are put in order as they come. A pair found twice, through cells
- * with equal keys, is kept once. */
+/* By (i, j): a count of each i gives its place. */
 static void sort_pairs(struct scree_contacts *contacts, int bodies) {
-    int *start = contacts->start;
+    int *start = contacts->end, kept = 0;
     for (int k = 0; k <= bodies; k++) start[k] = 0;
-    for (int p = 0; p < contacts->pairs; p++) start[contacts->pair[p].i + 1]++;
+    for (int part = 0; part < SCREE_PARTS; part++)
+        for (int p = 0; p < contacts->found[part].count; p++) start[contacts->found[part].pair[p].i + 1]++;
     for (int k = 0; k < bodies; k++) start[k + 1] += start[k];
-    for (int p = 0; p < contacts->pairs; p++) contacts->sorted[start[contacts->pair[p].i]++] = contacts->pair[p];
-    int kept = 0;
-    for (int p = 0; p < contacts->pairs; p++) {
-        struct scree_body_pair pair = contacts->sorted[p];
-        int place = kept++;
-        for (; place > 0 && contacts->pair[place - 1].i == pair.i && contacts->pair[place - 1].j > pair.j; place--)
-            contacts->pair[place] = contacts->pair[place - 1];
-        contacts->pair[place] = pair;
-        int twice = place > 0 && contacts->pair[place - 1].i == pair.i && contacts->pair[place - 1].j == pair.j;
-        if (!twice) continue;
-        for (kept--; place < kept; place++) contacts->pair[place] = contacts->pair[place + 1];
+    for (int part = 0; part < SCREE_PARTS; part++)
+        for (int p = 0; p < contacts->found[part].count; p++) {
+            struct scree_body_pair pair = contacts->found[part].pair[p];
+            contacts->pair[start[pair.i]++] = pair; /* so each start becomes an end */
+        }
+    for (int k = 0, first = 0; k < bodies; k++) {
+        int end = contacts->end[k];
+        contacts->end[k] = kept = order_partners(contacts->pair, first, end, kept);
+        first = end;
     }
     contacts->pairs = kept;
 }
 
-scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                              scree_trouble *trouble) {
+/* Room for all that was found. */
+static scree_status make_room(struct scree_contacts *contacts, int failed, scree_trouble *trouble) {
     contacts->pairs = 0;
-    struct grids grids = choose_levels(contacts, bodies);
-    fill_cells(contacts, bodies, &grids);
-    scree_status status = meet_planes(contacts, bodies, trouble);
-    for (int k = 0; k < bodies->count && !status; k++) {
-        if (!is_bounded(bodies, k)) continue;
-        status = look_beside(contacts, bodies, &grids, k, trouble);
-        for (int level = contacts->level[k] + !bodies->periodic; level <= grids.highest && !status; level++)
-            if (grids.used[level]) status = look_around(contacts, bodies, &grids, k, level, trouble);
+    for (int part = 0; part < SCREE_PARTS; part++) contacts->pairs += contacts->found[part].count;
+    int capacity = contacts->pairs + contacts->pairs / 16 + 8;
+    if (!failed && contacts->pairs > contacts->pair_capacity) {
+        failed = !scree_enlarge(&contacts->pair, contacts->pair_capacity, capacity, sizeof *contacts->pair);
+        if (!failed) contacts->pair_capacity = capacity;
     }
+    if (!failed) return SCREE_OK;
+    contacts->pairs = 0;
+    return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d candidate pairs", capacity);
+}
+
+scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                              scree_trouble *trouble) {
+    struct grids grids = choose_levels(contacts, bodies);
+    int failed = 0;
+    (void)threads; /* without OpenMP */
+    fill_cells(contacts, bodies, &grids);
+    contacts->planes = 0;
+    for (int k = 0; k < bodies->count; k++)
+        if (!is_bounded(bodies, k)) contacts->plane[contacts->planes++] = k;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(| : failed) if (threads > 1)
+    for (int part = 0; part < SCREE_PARTS; part++) {
+        struct seeker seeker = {contacts, bodies, &grids, &contacts->found[part], 0};
+        long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
+        seeker.found->count = 0;
+        for (int k = (int)from; k < to; k++)
+            if (is_bounded(bodies, k)) look(&seeker, k);
+        failed |= seeker.failed;
+    }
+    scree_status status = make_room(contacts, failed, trouble);
     if (status) return status;
-    if (contacts->pairs) sort_pairs(contacts, bodies->count);
+    sort_pairs(contacts, bodies->count);
     return SCREE_OK;
 }

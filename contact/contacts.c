@@ -46,10 +46,11 @@ static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
     contacts->key = malloc((bodies + 1) * sizeof *contacts->key);
     contacts->next = malloc((bodies + 1) * sizeof *contacts->next);
     contacts->place = malloc(places * sizeof *contacts->place);
-    contacts->start = malloc((bodies + 2) * sizeof *contacts->start);
+    contacts->end = malloc((bodies + 2) * sizeof *contacts->end);
     contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
-    int ok =
-        contacts->spare && contacts->level && contacts->key && contacts->next && contacts->place && contacts->start;
+    contacts->plane = malloc((bodies + 1) * sizeof *contacts->plane);
+    int ok = contacts->spare && contacts->plane && contacts->level && contacts->key && contacts->next &&
+             contacts->place && contacts->end;
     return ok ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
@@ -101,13 +102,14 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     free(contacts->batch);
     free(contacts->batch_of);
     free(contacts->busy);
+    for (int part = 0; part < SCREE_PARTS; part++) free(contacts->found[part].pair);
     free(contacts->pair);
-    free(contacts->sorted);
+    free(contacts->plane);
     free(contacts->level);
     free(contacts->key);
     free(contacts->next);
     free(contacts->place);
-    free(contacts->start);
+    free(contacts->end);
     free(contacts->returned);
     free(contacts->moving);
     *contacts = (struct scree_contacts){0};

@@ -154,6 +154,13 @@ struct scree_body_pair {
     int i, j; /* i < j */
 };
 
+/* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these. */
+enum { SCREE_PARTS = 32 };
+struct scree_found {
+    struct scree_body_pair *pair;
+    int count, capacity;
+};
+
 /* A body that returns into the periodic box: it is `periods` beyond it. */
 struct scree_return {
     int body; /* its place */
@@ -173,13 +180,16 @@ struct scree_contacts {
     int *busy;     /* indices of the batches that hold contacts, in order */
     int busy_batches;
 
-    int pairs, pair_capacity;
-    struct scree_body_pair *pair, *sorted;
+    struct scree_found found[SCREE_PARTS]; /* pairs as they were found, by parts of the bodies */
+    int pairs, pair_capacity;              /* the same, sorted by (i, j) */
+    struct scree_body_pair *pair;
+    int *end;           /* of the pairs of each first body */
+    int planes, *plane; /* bodies without bounds */
     /* Cells of the broad phase (candidates.c): per body its grid, its cell's key and the next body of the chain; the first body
-     * of each chain; scratch for sorting. */
+     * of each chain. */
     unsigned char *level;
     uint64_t *key;
-    int *next, *place, *start;
+    int *next, *place;
     size_t last_place; /* number of places, a power of two, less one */
     double skin;       /* contacts with a gap up to this are in the outer list, m */
     double step;       /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
@@ -219,7 +229,8 @@ const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contac
 
 /* Make outer and near lists from the records as they are; carries contact memory over, gives every body its margin: `path` in
  * its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists can't be used. */
-scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble);
+scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble);
 
 /* After bodies have outgrown their margins (path > skin/2): pick near contacts anew from the outer list, or make
  * both lists anew if a body has used up its half of the skin. */
@@ -227,8 +238,9 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
                                   scree_trouble *trouble);
 
 /* Put the bodies in the order of space, and the lists with them; the second only if they have got out of it. */
-scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble);
-scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies,
+scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble);
+scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                        scree_trouble *trouble);
 
 /* Forget all contacts; then append one with its memory, in the list's order (for a restored state; the next list carries it
@@ -367,7 +379,7 @@ scree_status scree_pair_constants(const struct scree_contacts *contacts, const s
 int scree_enlarge(void *array, int before, int after, size_t size);
 
 /* Pairs of bodies whose bounds come within `skin`, sorted by (i, j). */
-scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                               scree_trouble *trouble);
 
 /* Batch for a rule and a geometry. */

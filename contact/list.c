@@ -97,7 +97,7 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
                  enum pass pass) {
     struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
     if (pass == FILL) batch->outer[segment->outer_first + segment->outer_count] = *contact;
-    batch->any_turns |= scree_contact_turns(batch, contact);
+    if (!batch->any_turns && scree_contact_turns(batch, contact)) batch->any_turns = 1;
     segment->outer_count++;
 }
 
@@ -109,7 +109,8 @@ static void take_balls(struct scree_contacts *contacts, const struct scree_bodie
     int first = box ? 1 + 8 * bodies->slot[ball] : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
-        if (scree_gap(bodies, &contact, contacts->skin) <= contacts->skin) take(bodies, batch, &contact, pass);
+        int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
+        if (near || scree_gap(bodies, &contact, contacts->skin) <= contacts->skin) take(bodies, batch, &contact, pass);
     }
 }
 
@@ -193,13 +194,27 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
     take_edges(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
 }
 
-static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, enum pass pass) {
+/* Pairs whose first body is at a place from … to - 1. */
+static void take_some(struct scree_contacts *contacts, const struct scree_bodies *bodies, int from, int to,
+                      enum pass pass) {
+    int first = from > 0 ? contacts->end[from - 1] : 0, last = to > 0 ? contacts->end[to - 1] : 0;
+    for (int k = first; k < last; k++) take_pair(contacts, bodies, contacts->pair[k].i, contacts->pair[k].j, pass);
+}
+
+/* Two members make a contact of the first one's slab, or of segment 0 if they are images: where there are none of these, slabs can be
+ * filled at once. */
+static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads, enum pass pass) {
+    const struct scree_order *order = &bodies->order;
+    int members = order->slabs ? order->members : bodies->count;
+    (void)threads; /* without OpenMP */
     for (int b = 0; b < contacts->batches; b++) {
-        contacts->batch[b].any_turns = 0;
-        for (int s = 0; s <= bodies->order.slabs; s++) contacts->batch[b].segment[s].outer_count = 0;
+        contacts->batch[b].any_turns = contacts->batch[b].turns;
+        for (int s = 0; s <= order->slabs; s++) contacts->batch[b].segment[s].outer_count = 0;
     }
-    for (int k = 0; k < contacts->pairs; k++)
-        take_pair(contacts, bodies, contacts->pair[k].i, contacts->pair[k].j, pass);
+    take_some(contacts, bodies, 0, members, pass);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1 && !bodies->periodic)
+    for (int slab = 0; slab < order->slabs; slab++)
+        take_some(contacts, bodies, order->start[slab], order->start[slab + 1], pass);
 }
 
 /* Room for what was counted. */
@@ -323,13 +338,14 @@ static scree_status set_common_constants(const struct scree_contacts *contacts, 
     return SCREE_OK;
 }
 
-scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble) {
-    scree_status status = scree_candidates(contacts, bodies, trouble);
+scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble) {
+    scree_status status = scree_candidates(contacts, bodies, threads, trouble);
     if (status) return status;
-    take_all(contacts, bodies, COUNT);
+    take_all(contacts, bodies, threads, COUNT);
     status = make_room(contacts, bodies, trouble);
     if (status) return status;
-    take_all(contacts, bodies, FILL);
+    take_all(contacts, bodies, threads, FILL);
     grant_all(contacts, bodies);
     for (int k = 0; k < contacts->busy_batches && !status; k++) {
         struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
@@ -338,25 +354,25 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     }
     if (status) return status;
     contacts->rebuilds++;
-    return scree_contacts_pick(contacts, bodies, 1, trouble);
+    return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin;
-    if (bodies->order.slabs == 0) return scree_contacts_list(contacts, bodies, trouble);
+    if (bodies->order.slabs == 0) return scree_contacts_list(contacts, bodies, threads, trouble);
     double steps = steps_ahead(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
-        if (!grant(contacts, bodies, k, steps)) return scree_contacts_list(contacts, bodies, trouble);
+        if (!grant(contacts, bodies, k, steps)) return scree_contacts_list(contacts, bodies, threads, trouble);
     }
     contacts->renewals++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
-scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies,
+scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                        scree_trouble *trouble) {
     if (!scree_bodies_disordered(bodies)) return SCREE_OK;
-    return scree_contacts_sort(contacts, bodies, trouble);
+    return scree_contacts_sort(contacts, bodies, threads, trouble);
 }

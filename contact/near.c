@@ -18,9 +18,12 @@ struct scree_scratch {
 static int padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
 
 int scree_enlarge(void *array, int before, int after, size_t size) {
-    void **place = array, *memory = realloc(*place, (size_t)after * size);
+    size_t used = (size_t)before * size, bytes = ((size_t)after * size + 63) / 64 * 64;
+    void **place = array, *memory = aligned_alloc(64, bytes);
     if (!memory) return 0;
-    memset((char *)memory + (size_t)before * size, 0, (size_t)(after - before) * size);
+    if (used) memcpy(memory, *place, used);
+    memset((char *)memory + used, 0, bytes - used);
+    free(*place);
     *place = memory;
     return 1;
 }
@@ -375,7 +378,8 @@ static scree_status room_for_indices(struct scree_contacts *contacts, int most, 
     return SCREE_OK;
 }
 
-scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, scree_trouble *trouble) {
+scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble) {
     int most = 0;
     for (int b = 0; b < contacts->batches; b++)
         if (contacts->batch[b].count > most) most = contacts->batch[b].count;
@@ -387,7 +391,7 @@ scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_b
         rename_bodies(&contacts->batch[b], bodies->place);
         sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->index);
     }
-    return scree_contacts_list(contacts, bodies, trouble);
+    return scree_contacts_list(contacts, bodies, threads, trouble);
 }
 
 /* ---- across the border of the periodic box ---- */

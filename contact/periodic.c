@@ -68,7 +68,7 @@ scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree
     bring_back(contacts, bodies);
     status = scree_contacts_recode(contacts, bodies, trouble);
     int recoded = status == SCREE_OK;
-    if (!status) status = scree_contacts_list(contacts, bodies, trouble);
+    if (!status) status = scree_contacts_list(contacts, bodies, 1, trouble);
     if (status) send_off(contacts, bodies, recoded);
     return status;
 }

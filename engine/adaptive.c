@@ -263,7 +263,7 @@ void scree_adaptive_claim(struct scree_adaptive *a, int grip) {
 scree_status scree_adaptive_list(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     scree_adaptive_place(scene, a->y);
-    scree_status status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+    scree_status status = scree_contacts_list(&scene->contacts, &scene->bodies, 1, &scene->trouble);
     if (status) return status;
     int old = 0;
     for (int k = 0; k < a->grips; k++)
@@ -310,7 +310,7 @@ scree_status scree_adaptive_begin_step(struct scree_scene *scene) {
     a->clock = -1;
     for (int k = 0; k < scene->bodies.count; k++) a->spin_energy[k] = -1.0;
     scree_bodies_start(&scene->bodies, a->start);
-    scree_status status = scree_contacts_list(&scene->contacts, &scene->bodies, &scene->trouble);
+    scree_status status = scree_contacts_list(&scene->contacts, &scene->bodies, 1, &scene->trouble);
     if (!status) status = take_list(scene);
     if (status) return status;
     memset(a->y, 0, a->work.size * sizeof *a->y);

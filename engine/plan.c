@@ -757,7 +757,7 @@ static scree_status bake(struct scree_scene *scene) {
     scene->contacts.measured = scene->time.energy;
     scene->contacts.step = scene->adaptive ? 0.0 : scene->step;
     status = check_period(scene);
-    if (!status) status = scree_contacts_sort(&scene->contacts, &scene->bodies, &scene->trouble);
+    if (!status) status = scree_contacts_sort(&scene->contacts, &scene->bodies, 1, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
     if (status || !scene->time.energy) return status;

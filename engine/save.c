@@ -236,7 +236,7 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
                                     memory[n].kept, memory[n].past, &scene->trouble);
         if (status) return status;
     }
-    return scree_contacts_list(contacts, &scene->bodies, &scene->trouble);
+    return scree_contacts_list(contacts, &scene->bodies, 1, &scene->trouble);
 }
 
 /* ---- the whole ---- */

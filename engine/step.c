@@ -124,7 +124,7 @@ static scree_status step_by_impulses(scree_scene *scene) {
 /* From time to time the bodies are put in order; when, is a function of the state. */
 static scree_status keep_order(scree_scene *scene) {
     if (scene->steps % 512 != 0 || scene->steps == 0) return SCREE_OK;
-    return scree_contacts_keep_order(&scene->contacts, &scene->bodies, &scene->trouble);
+    return scree_contacts_keep_order(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
 /* Bring the records to the middle of the step; members of slabs that are there already stay. Nonzero: lists must be looked at. */

@@ -817,7 +817,7 @@ static void test_memory(void) {
         for (int n = 0; n < 3; n++) {
             scree_scene *scene = balls(friction);
             scene->contacts.skin = skins[n];
-            CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, NULL) == SCREE_OK);
+            CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
             go(scene, 8000);
             hash[n] = scree_scene_hash(scene);
             int moved = 0;

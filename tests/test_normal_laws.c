@@ -629,7 +629,7 @@ static int touching(scree_scene *scene) {
 static void go_with_new_lists(scree_scene *scene, int steps, int every) {
     for (int k = 0; k < steps; k += every) {
         go(scene, every);
-        CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, NULL) == SCREE_OK);
+        CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
     }
 }
 
@@ -648,7 +648,7 @@ static void test_reach(void) {
         double farthest = 0.0, gap = 0.0;
         for (int step = 0; step < 2000 && gap < 2.0 * reach; step++) {
             go(scene, 1);
-            if (step % every[k] == 0) CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, NULL) == SCREE_OK);
+            if (step % every[k] == 0) CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
             gap = -scree_scene_body(scene, 1).position[2] - 0.004;
             if (touching(scene)) farthest = fmax(farthest, gap);
         }

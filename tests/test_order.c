@@ -193,7 +193,7 @@ static void test_same_bits(const char *const *changes, int count) {
     CHECK(hash_after(text, measured, 1 + count, 3, STEPS) == hash);
     scree_scene *scene = scene_from(text, changes, count, 1);
     scene->contacts.skin *= 0.5;
-    CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, NULL) == SCREE_OK);
+    CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
     go(scene, STEPS);
     CHECK(scree_scene_hash(scene) == hash);
     scree_scene_destroy(scene);
