@@ -297,6 +297,10 @@ struct scree_touch {
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
                            int index, struct scree_touch *touch);
 
+/* Leave in the records the impulses that contacts give at their instant within a step, for the start of a run: from them the first
+ * step predicts its velocities, and bodies that begin at rest in touch stay at rest. */
+void scree_contacts_begin(const struct scree_contacts *contacts, struct scree_bodies *bodies, double step);
+
 /* Effective mass and radius of a pair of bodies, for law constants: of the ball and its partner. */
 double scree_effective_mass(const struct scree_bodies *bodies, int i, int j);
 double scree_effective_radius(const struct scree_bodies *bodies, int ball, int host, enum scree_geometry geometry);

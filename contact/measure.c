@@ -110,3 +110,22 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     measure_turning(rule, bodies, scree_pair(batch, SCREE_PAIR_LEVER, index), turned, touch);
     return 1;
 }
+
+void scree_contacts_begin(const struct scree_contacts *contacts, struct scree_bodies *bodies, double step) {
+    for (int b = 0; b < contacts->batches; b++) {
+        const struct scree_batch *batch = &contacts->batch[b];
+        for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) {
+            struct scree_touch touch;
+            if (!scree_contacts_measure(contacts, bodies, b, k, &touch)) continue;
+            struct scree_record *ball = &bodies->record[touch.ball], *host = &bodies->record[touch.host];
+            struct vec impulse = vec_scale(step, vec_axpy(touch.tangential, touch.normal_force, touch.normal));
+            struct vec arm = vec_sub(touch.point, vec_from(ball->x));
+            struct vec host_arm = vec_add(arm, scree_apart(bodies, &batch->contact[k], batch->geometry));
+            int turns = scree_contact_turns(batch, &batch->contact[k]);
+            vec_store(vec_add(vec_from(ball->f), impulse), ball->f);
+            vec_store(vec_sub(vec_from(host->f), impulse), host->f);
+            vec_store(vec_axpy(vec_from(ball->t), turns, vec_cross(arm, impulse)), ball->t);
+            vec_store(vec_axpy(vec_from(host->t), turns, vec_cross(impulse, host_arm)), host->t);
+        }
+    }
+}

@@ -760,6 +760,7 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status) status = scree_contacts_sort(&scene->contacts, &scene->bodies, 1, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
+    if (!status && !impulses && !scene->adaptive) scree_contacts_begin(&scene->contacts, &scene->bodies, scene->step);
     if (status || !scene->time.energy) return status;
     scree_energy energy;
     status = scree_energy_now(scene, &energy);

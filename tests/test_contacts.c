@@ -427,6 +427,10 @@ static void check_laws(const char *normal, const char *friction, const char *rol
     scree_scene *scene = pressed_pairs(normal, friction, rolling, pairs);
     double h = scree_scene_step_length(scene);
     const double none[3] = {0.0, 0.0, 0.0};
+    for (int k = 0; k < scene->bodies.count; k++) { /* as if they had come here freely */
+        memset(scene->bodies.record[k].f, 0, sizeof scene->bodies.record[k].f);
+        memset(scene->bodies.record[k].t, 0, sizeof scene->bodies.record[k].t);
+    }
     scree_bodies_look_ahead(&scene->bodies, 0.0, h, none, 1.0);
     int compared = 0, bodies = scene->bodies.count;
     struct vec *impulse = calloc((size_t)bodies, sizeof *impulse), *turn = calloc((size_t)bodies, sizeof *turn);

@@ -1,17 +1,21 @@
 #!/bin/sh
 # Scenes of many spheres, run in turn by scree and by whatever else is installed, all from the same positions and velocities, one
 # thread each; nanoseconds per sphere and step, and what the states are like afterwards.
-usage='usage: peers.sh BUILD SCENE [ROUNDS [STEPS [STATE]]]
+usage='usage: peers.sh BUILD SCENE [ROUNDS [STEPS [STATE [PROGRAM...]]]]
 
 BUILD   a build folder of scree
 SCENE   bed (10,000 spheres), bed-large (100,000), chute (32,000)
 ROUNDS  how often each program runs (default 5)
 STEPS   in each run (default 200)
-STATE   spheres.csv to begin with; default: what scree settles (kept in BUILD/peers, which takes long the first time)
+STATE   spheres.csv to begin with; default, or -: what scree settles (kept in BUILD/peers, which takes long the first time)
+PROGRAM scree, lammps, liggghts, yade: which run (default: all that are installed)
 
 example: bench/peers/peers.sh build bed 5 200'
 [ $# -ge 2 ] || { echo "$usage" >&2; exit 2; }
-build=$(realpath "$1") scene=$2 rounds=${3:-5} steps=${4:-200} state=${5:+$(realpath "$5")}
+build=$(realpath "$1") scene=$2 rounds=${3:-5} steps=${4:-200} programs=scree
+[ $# -gt 5 ] && programs=$(shift 5 && echo "$*")
+state=
+[ "${5:--}" = - ] || state=$(realpath "$5")
 here=$(realpath "$(dirname "$0")")
 scree=$build/scree look=$build/bench/scree-bench
 export OMP_NUM_THREADS=1 LC_ALL=C
@@ -98,10 +102,11 @@ seconds_of() {
     esac
 }
 
-programs=scree
-command -v lmp >/dev/null && programs="$programs lammps"
-command -v liggghts >/dev/null && programs="$programs liggghts"
-command -v yade >/dev/null && [ -e "$here/${kind}_yade.py" ] && programs="$programs yade"
+if [ $# -le 5 ]; then
+    command -v lmp >/dev/null && programs="$programs lammps"
+    command -v liggghts >/dev/null && programs="$programs liggghts"
+    command -v yade >/dev/null && [ -e "$here/${kind}_yade.py" ] && programs="$programs yade"
+fi
 rm -f times.csv
 for round in $(seq "$rounds"); do
     for program in $programs; do

@@ -1,0 +1,55 @@
+#!/bin/sh
+# Does scree arrive at the same beds and flows as other programs? Spheres that begin a little elsewhere (another seed of the
+# lattice's jitter) end elsewhere; what all share, and how far it scatters from start to start, is printed for each program:
+# mean and standard deviation of each quantity of `scree-bench look`.
+usage='usage: settle.sh BUILD SCENE [STARTS [STEPS [PROGRAM...]]]
+
+BUILD   a build folder of scree
+SCENE   bed (10,000 spheres fall and settle: 30,000 steps by default), chute (31,200 flow, from a settled state, its
+        places shifted by 1e-6 of a diameter at random: 10,000 steps)
+STARTS  how many (default 4)
+PROGRAM which run (default: scree lammps liggghts)
+
+example: bench/peers/settle.sh build bed 4'
+[ $# -ge 2 ] || { echo "$usage" >&2; exit 2; }
+build=$(realpath "$1") scene=$2 starts=${3:-4}
+here=$(realpath "$(dirname "$0")")
+case $scene in
+bed) steps=${4:-30000} ;;
+chute) steps=${4:-10000} ;;
+*) echo "$usage" >&2; exit 2 ;;
+esac
+programs='scree lammps liggghts'
+[ $# -gt 4 ] && programs=$(shift 4 && echo "$*")
+work=$build/peers/settle_$scene
+mkdir -p "$work" || exit 1
+
+start_of() { # start_of N: a table of spheres
+    if [ "$scene" = chute ]; then
+        awk -v seed="$1" -F, 'BEGIN { OFS = ","; srand(seed) }
+            NR == 1 { for (k = 1; k <= NF; k++) if ($k == "x_m") x = k }
+            NR > 1 { for (k = x; k < x + 3; k++) $k = sprintf("%.17g", $k + 1e-6 * (rand() - 0.5)) } { print }' "$build/peers/chute/start.csv"
+        return
+    fi
+    sed '/^# The spheres that move/,$d' "$here/bed.toml" >"$work/lattice.toml"
+    printf '[[generate]]\nname = "grain"\nkind = "lattice"\nmaterial = "glass"\nseed = %s\ncount = 10000\nmin = [0, 0, 0]\nmax = [0.04, 0.04, 0.5]\nspacing = 0.0022\njitter = 8e-5\nradius = 0.001\n' "$1" >>"$work/lattice.toml"
+    "$build/scree" run "$work/lattice.toml" -o "$work/lattice" --set body.right.position=[0.04,0,0] --set body.back.position=[0,0.04,0] --set time.end=1e-5 >/dev/null 2>&1 || exit 1
+    cat "$work/lattice/spheres.csv"
+}
+
+rm -f "$work/rows.csv"
+for n in $(seq "$starts"); do
+    start_of "$n" >"$work/start.csv"
+    # shellcheck disable=SC2086
+    "$here/peers.sh" "$build" "$scene" 1 "$steps" "$work/start.csv" $programs | sed 1d | tee -a "$work/rows.csv" >&2
+done
+grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: /# /'
+awk -F, '$1 == "scene" { if (!columns) { columns = NF; for (k = 8; k <= NF; k++) name[k] = $k }; next }
+    { if (!($2 in n)) order[++programs] = $2; n[$2]++; for (k = 8; k <= NF; k++) { sum[$2, k] += $k; square[$2, k] += $k * $k } }
+    END {
+        print "program,starts,quantity,mean,deviation"
+        for (p = 1; p <= programs; p++) for (k = 8; k <= columns; k++) {
+            one = order[p]; mean = sum[one, k] / n[one]; spread = square[one, k] / n[one] - mean * mean
+            printf "%s,%d,%s,%.7g,%.2g\n", one, n[one], name[k], mean, n[one] > 1 && spread > 0 ? sqrt(spread * n[one] / (n[one] - 1)) : 0
+        }
+    }' "$work/rows.csv"

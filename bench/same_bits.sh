@@ -1,0 +1,28 @@
+#!/bin/sh
+# One run by numbers of threads, kinds of processor and builds: all must end in the same state, bit for bit. Spheres fall from a lattice
+# into a box and settle (scree-bench hot).
+usage='usage: same_bits.sh STEPS BUILD...
+
+STEPS   of the run; 20000 are 0.2 s, until the spheres lie
+BUILD   build folders of scree, say one of gcc and one of clang
+
+example: bench/same_bits.sh 20000 build build-clang'
+[ $# -ge 2 ] || { echo "$usage" >&2; exit 2; }
+steps=$1
+shift
+export OMP_WAIT_POLICY=passive # more threads than cores
+first=
+
+try() { # try BUILD ISA THREADS
+    row=$(SCREE_ISA=$2 "$1/bench/scree-bench" hot --bodies 10000 --settle "$steps" --steps 1 --repeats 1 --threads "$3" | tail -n 1)
+    hash=${row##*,}
+    echo "$1,${row%%,*},$3,$steps,$hash"
+    first=${first:-$hash}
+    [ "$hash" = "$first" ] || { echo "same_bits.sh: the state differs" >&2; exit 1; }
+}
+
+echo 'build,isa,threads,steps,hash'
+for build in "$@"; do
+    for threads in 1 2 3 4 7 16; do try "$build" "" $threads; done
+    for isa in baseline avx2; do try "$build" $isa 2; done
+done
