@@ -62,6 +62,14 @@ static const struct {
     {"classics", "cradle", "Newton's cradle", suite_cradle},
     {"classics", "stack", "overlaps in a stack of spheres", suite_stack},
     {"classics", "chain", "solitary wave in a chain of Hertz's contacts", suite_chain},
+    {"classics", "viscoelastic", "restitution of Kuwabara and Kono's law over the speed", suite_viscoelastic},
+    {"classics", "edge", "a box meets a plane with an edge", suite_edge},
+    {"classics", "corner", "a box meets a plane with a corner", suite_corner},
+    {"classics", "rocking", "a block rocks from edge to edge", suite_rocking},
+    {"classics", "domino", "a domino topples", suite_domino},
+    {"classics", "painleve", "Painleve's rod jams", suite_painleve},
+    {"classics", "stick-slip", "a mass on a belt sticks and slips", suite_stick_slip},
+    {"classics", "haff", "a granular gas cools down", suite_haff},
 };
 
 enum { FIGURES = sizeof list / sizeof list[0] };
