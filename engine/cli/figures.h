@@ -64,6 +64,11 @@ scree_status suite_domino(struct figures *figures);
 scree_status suite_painleve(struct figures *figures);
 scree_status suite_stick_slip(struct figures *figures);
 scree_status suite_haff(struct figures *figures);
+scree_status suite_silo(struct figures *figures);
+scree_status suite_column(struct figures *figures);
+scree_status suite_heap(struct figures *figures);
+scree_status suite_drum(struct figures *figures);
+scree_status suite_crater(struct figures *figures);
 
 /* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,
