@@ -47,6 +47,7 @@ heap*)
     # As suite_bulk.c: highest grains over squares of two diameters, mean across, a line through both flanks.
     awk '/^ITEM: ATOMS/ { on = 1; next }
         on && $4 == 1 {
+            left += $3 > -0.002 && $1 > -0.064 && $1 < 0.064
             i = int(($1 + 0.064) / 0.008); if ($1 < -0.064 || i > 15) next
             j = int($2 / 0.008); if (j > 2) j = 2; if (j < 0) j = 0
             if ($3 > top[i, j]) top[i, j] = $3
@@ -54,7 +55,7 @@ heap*)
         END {
             for (i = 0; i < 16; i++) for (j = 0; j < 3; j++) h[i] += top[i, j] / 3
             for (k = 1; k < 7; k++) { x = (k + 0.5) * 0.008; y = 0.5 * (h[k] + h[15 - k]); sx += x / 6; sy += y / 6; xy += x * y; xx += x * x }
-            printf "angle_deg,%.6g\n", atan2(xy - 6 * sx * sy, xx - 6 * sx * sx) * 57.29577951308232
+            printf "angle_deg,%.6g\ngrains_left,%d\n", atan2(xy - 6 * sx * sy, xx - 6 * sx * sx) * 57.29577951308232, left
         }' final.dump
     ;;
 drum) awk '!/^#/ && $1 * 4e-5 >= 0.99999 { sum += atan2(-$2, -$3); n++ } END { printf "angle_deg,%.6g\n", sum / n * 57.29577951308232 }' centre.txt ;;

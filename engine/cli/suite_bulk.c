@@ -1,7 +1,7 @@
 /* Grains by the thousand: discharge of a silo, load of a column between walls, angle of repose, rotating drum, impact on a bed.
  * After the benchmark of Dosta et al., Comput. Phys. Commun. 296 (2024) 109066 (data/reference/dosta2024_parameters.csv), made small: its
  * grains M1 (4 mm, 2500 kg/m^3, Poisson's ratio 0.2, restitution 0.5 and friction 0.3 among each other, 0.4 and 0.2 against walls), but
- * thousands of them instead of 25,000 to 122,000, and 1 MPa instead of 1 GPa (20 MPa for the impact). Rate and shape of a slow flow don't
+ * thousands of them instead of 25,000 to 122,000, and 1 MPa instead of 1 GPa (10 MPa for the impact). Rate and shape of a slow flow don't
  * depend on the modulus while overlaps are small: E/(rho g d) is 1e4, which makes 1 % of a diameter under ten layers. */
 #include "engine/cli/figures.h"
 #include "engine/scene_file.h"
@@ -147,11 +147,24 @@ static scree_status check_runs(struct figures *figures, const struct run *runs, 
 
 static double grain_mass(void) { return 4.0 / 3.0 * pi * radius * radius * radius * density; }
 
+/* What LAMMPS makes of the same scenes, by bench/peers/bulk.sh (data/reference/bulk_lammps.csv), and what may lie between two means of
+ * runs from other places of the grains: three times its standard error. */
+struct peer {
+    double mean, scatter; /* of a run, about the mean */
+    int runs;
+};
+
+static void report_beside(struct figures *figures, const char *figure, const char *quantity, const struct peer *peer,
+                          double mean, int runs) {
+    double error = peer->scatter * sqrt(1.0 / runs + 1.0 / peer->runs);
+    figures_report(figures, figure, quantity, peer->mean, mean, 3.0 * error / peer->mean);
+}
+
 /* ---- a silo empties through a hole in its floor ---- */
 
 enum { SILO_RUNS = 3, SILO_ROWS = 300 };
 
-static const double silo_half = 24e-3, silo_opens = 0.25;
+static const double silo_half = 28e-3, silo_opens = 0.25;
 
 struct silo {
     struct run run;
@@ -178,7 +191,7 @@ static void make_silo(struct silo *silo, int seed) {
     put_rectangle(file, "floor 3", (double[]){-b, h}, (double[]){-b, -h}, "\"fixed\"");
     put_rectangle(file, "floor 4", (double[]){-b, -h}, (double[]){-h, b}, "\"fixed\"");
     put_rectangle(file, "plug", (double[]){-h, h}, (double[]){-h, h}, "{ z = \"away\", others = \"fixed\" }");
-    put_grains(file, (double[]){-b, -b, 0.0}, (double[]){b, b, 0.2}, 3000, seed);
+    put_grains(file, (double[]){-b, -b, 0.0}, (double[]){b, b, 0.2}, 4000, seed);
     end_scene(&silo->run, file, &size);
 }
 
@@ -207,9 +220,9 @@ static double time_of(const struct silo *silo, int wanted) {
     return NAN;
 }
 
-/* From 200 to 800 of 3000 grains out: the bed is higher than wide all the while. */
+/* From 250 to 950 of 4000 grains out: the bed is nearly as high as wide, or higher, all the while. */
 static void empty_silo(struct silo *silo, int seed) {
-    static const int from = 200, to = 800;
+    static const int from = 250, to = 950;
     make_silo(silo, seed);
     if (go_until(&silo->run, silo_opens)) silo->bulk = bulk_density(silo->run.scene, 4.0 * silo_half * silo_half);
     for (int row = 0; row < SILO_ROWS && go_until(&silo->run, silo_opens + 0.01 * row); row++) {
@@ -236,7 +249,7 @@ scree_status suite_silo(struct figures *figures) {
     static struct silo silos[SILO_RUNS];
 #pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
     for (int k = 0; k < SILO_RUNS; k++) {
-        silos[k] = (struct silo){.hole = (4.5 + 0.75 * k) * diameter};
+        silos[k] = (struct silo){.hole = (5.5 + 0.75 * k) * diameter};
         empty_silo(&silos[k], k + 1);
         if (k == 1) write_scene(figures, &silos[k].run, "silo");
     }
@@ -245,13 +258,13 @@ scree_status suite_silo(struct figures *figures) {
     if (!status) status = figures_table(figures, "silo", "hole_diameters,time_s,grains_out", &out);
     for (int k = 0; k < SILO_RUNS; k++) {
         for (int row = 0; row < silos[k].rows && !status; row++)
-            fprintf(out.file, "%g,%.17g,%d\n", 4.5 + 0.75 * k, 0.01 * row, silos[k].out[row]);
+            fprintf(out.file, "%g,%.17g,%d\n", 5.5 + 0.75 * k, 0.01 * row, silos[k].out[row]);
         end_run(&silos[k].run);
     }
     if (!status) status = scree_out_keep(&out, &figures->trouble);
     for (int k = 0; k < SILO_RUNS && !status; k++) {
         char quantity[80];
-        snprintf(quantity, sizeof quantity, "rate through a hole of %g d, against Beverloo (kg/s)", 4.5 + 0.75 * k);
+        snprintf(quantity, sizeof quantity, "rate through a hole of %g d, against Beverloo (kg/s)", 5.5 + 0.75 * k);
         figures_report(figures, "silo", quantity, beverloo(silos[k].bulk, silos[k].hole), silos[k].rate, 0.1);
     }
     if (!status) {
@@ -390,7 +403,7 @@ scree_status suite_column(struct figures *figures) {
 
 /* ---- angle of repose: what is left on a rough plate when its side walls go ---- */
 
-enum { HEAP_RUNS = 4, HEAP_BINS = 16 };
+enum { HEAP_SEEDS = 3, HEAP_RUNS = 2 * HEAP_SEEDS, HEAP_BINS = 16 };
 
 static const double heap_half = 64e-3, heap_depth = 24e-3, heap_opens = 0.25, heap_end = 1.0;
 
@@ -398,6 +411,7 @@ struct heap {
     struct run run;
     double height[HEAP_BINS]; /* of the surface, m, from left to right */
     double angle;             /* rad */
+    int left;                 /* grains on the plate */
 };
 
 /* The plate is a layer of fixed grains, 4 mm apart, up and down by a quarter of their diameter at most, periodic across. */
@@ -435,6 +449,7 @@ static void measure_heap(struct heap *heap) {
     double top[HEAP_BINS][ACROSS] = {{0.0}}, width = 2.0 * heap_half / HEAP_BINS, slope = 0.0, square = 0.0;
     for (int k = first_grain(scene); k < scree_scene_bodies(scene); k++) {
         scree_body_state grain = scree_scene_body(scene, k);
+        heap->left += grain.position[2] > -radius && fabs(grain.position[0]) < heap_half;
         int column = (int)floor((grain.position[0] + heap_half) / width);
         int row = (int)floor(grain.position[1] / heap_depth * ACROSS);
         if (column < 0 || column >= HEAP_BINS || row < 0 || row >= ACROSS) continue;
@@ -458,21 +473,43 @@ static void measure_heap(struct heap *heap) {
     heap->angle = atan(slope / square);
 }
 
+static const struct peer heap_angle[2] = {{1.0, 1.0, 3}, {1.0, 1.0, 3}}, heap_left[2] = {{1.0, 1.0, 3}, {1.0, 1.0, 3}};
+
+static const char heap_script[] =
+    "set title 'Angle of repose: surface of what stays on a plate'\n"
+    "set xlabel 'x (m)'\nset ylabel 'height (m)'\nset size ratio -1\n"
+    "plot 'heap.csv' using ($1<4 ? $2 : NaN):3 with points ls 1 title 'no rolling friction',\\\n"
+    "     '' using ($1>3 ? $2 : NaN):3 with points ls 2 title 'rolling friction 0.1'\n";
+
 scree_status suite_heap(struct figures *figures) {
     static struct heap heaps[HEAP_RUNS];
 #pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
     for (int k = 0; k < HEAP_RUNS; k++) {
         heaps[k] = (struct heap){.angle = 0.0};
-        make_heap(&heaps[k], k / 2 ? 0.1 : 0.0, k % 2 + 1);
+        make_heap(&heaps[k], k < HEAP_SEEDS ? 0.0 : 0.1, k % HEAP_SEEDS + 1);
+        if (k % HEAP_SEEDS == 0) write_scene(figures, &heaps[k].run, k ? "heap_rolling" : "heap");
         if (go_until(&heaps[k].run, heap_end)) measure_heap(&heaps[k]);
-        if (k % 2 == 0) write_scene(figures, &heaps[k].run, k ? "heap_rolling" : "heap");
     }
     scree_status status = check_runs(figures, &heaps[0].run, sizeof heaps[0], HEAP_RUNS);
+    struct scree_out out = {0};
+    double angle[2] = {0.0}, left[2] = {0.0};
+    if (!status) status = figures_table(figures, "heap", "run,x_m,height_m", &out);
     for (int k = 0; k < HEAP_RUNS; k++) {
-        printf("angle %g\n", heaps[k].angle * 180 / pi);
+        angle[k / HEAP_SEEDS] += heaps[k].angle * 180.0 / pi / HEAP_SEEDS;
+        left[k / HEAP_SEEDS] += (double)heaps[k].left / HEAP_SEEDS;
+        for (int bin = 0; bin < HEAP_BINS && !status; bin++)
+            fprintf(out.file, "%d,%.17g,%.17g\n", k + 1, heap_half * ((2.0 * bin + 1.0) / HEAP_BINS - 1.0),
+                    heaps[k].height[bin]);
         end_run(&heaps[k].run);
     }
-    return status;
+    if (!status) status = scree_out_keep(&out, &figures->trouble);
+    for (int rolls = 0; rolls < 2 && !status; rolls++) {
+        report_beside(figures, "heap", rolls ? "angle, rolling friction 0.1 (degrees)" : "angle (degrees)",
+                      &heap_angle[rolls], angle[rolls], HEAP_SEEDS);
+        report_beside(figures, "heap", rolls ? "grains left, rolling friction 0.1" : "grains left on the plate",
+                      &heap_left[rolls], left[rolls], HEAP_SEEDS);
+    }
+    return status ? status : figures_plot(figures, "heap", heap_script);
 }
 
 /* ---- a drum turns ---- */
@@ -533,6 +570,13 @@ static void turn_drum(struct drum *drum, int seed) {
     }
 }
 
+static const struct peer drum_angle = {1.0, 1.0, 3};
+
+static const char drum_script[] =
+    "set title 'Drum: direction of the centre of mass'\n"
+    "set xlabel 'time (s)'\nset ylabel 'angle from the plumb line (degrees)'\n"
+    "plot for [k=1:2] 'drum.csv' using ($1==k ? $2 : NaN):3 with lines ls k title sprintf('run %d', k)\n";
+
 scree_status suite_drum(struct figures *figures) {
     static struct drum drums[DRUM_RUNS];
 #pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
@@ -542,18 +586,26 @@ scree_status suite_drum(struct figures *figures) {
         if (k == 0) write_scene(figures, &drums[k].run, "drum");
     }
     scree_status status = check_runs(figures, &drums[0].run, sizeof drums[0], DRUM_RUNS);
+    struct scree_out out = {0};
+    double mean = 0.0;
+    if (!status) status = figures_table(figures, "drum", "run,time_s,angle_deg", &out);
     for (int k = 0; k < DRUM_RUNS; k++) {
-        printf("drum %g\n", drums[k].mean * 180 / pi);
+        mean += drums[k].mean * 180.0 / pi / DRUM_RUNS;
+        for (int row = 0; row < drums[k].rows && !status; row++)
+            fprintf(out.file, "%d,%.17g,%.17g\n", k + 1, drum_from + 0.01 * row, drums[k].angle[row] * 180.0 / pi);
         end_run(&drums[k].run);
     }
-    return status;
+    if (!status) status = scree_out_keep(&out, &figures->trouble);
+    if (status) return status;
+    report_beside(figures, "drum", "dynamic angle, 1 to 2.5 s (degrees)", &drum_angle, mean, DRUM_RUNS);
+    return figures_plot(figures, "drum", drum_script);
 }
 
 /* ---- a ball falls on a bed ---- */
 
-enum { CRATER_RUNS = 3, CRATER_ROWS = 80 };
+enum { CRATER_RUNS = 3, CRATER_ROWS = 45 };
 
-static const double crater_half = 30e-3, crater_ball = 10e-3, crater_from = 0.3, crater_end = 0.7;
+static const double crater_half = 30e-3, crater_ball = 10e-3, crater_from = 0.28, crater_end = 0.5;
 
 struct crater {
     struct run run;
@@ -562,19 +614,19 @@ struct crater {
     int rows;
 };
 
-/* The ball is thrown upwards while the bed settles, and comes back at 1.5 m/s. */
+/* The ball is thrown upwards while the bed settles, and comes back at 1.6 m/s. */
 static void make_crater(struct crater *crater, int seed) {
-    struct grains g = {.young = 2e7, .step = 9e-6, .end = crater_end, .speed = 1.5, .domain = ""};
+    struct grains g = {.young = 1e7, .step = 1.25e-5, .end = crater_end, .speed = 1.5, .domain = ""};
     size_t size;
     FILE *file = begin_scene(&crater->run, &size, &g);
     if (!file) return;
     put_box(file, crater_half, "\"fixed\"");
     put_plane(file, "floor", 2, 0.0, 1, "\"fixed\"");
     fprintf(file,
-            "[[body]]\nname = \"ball\"\nshape = { sphere = %g }\nmaterial = \"wall\"\nposition = [0, 0, 0.08]\n"
+            "[[body]]\nname = \"ball\"\nshape = { sphere = %g }\nmaterial = \"wall\"\nposition = [0, 0, 0.1]\n"
             "velocity = [0, 0, 1.35]\n",
             crater_ball);
-    put_grains(file, (double[]){-crater_half, -crater_half, 0.0}, (double[]){crater_half, crater_half, 0.1}, 2200,
+    put_grains(file, (double[]){-crater_half, -crater_half, 0.0}, (double[]){crater_half, crater_half, 0.1}, 3300,
                seed);
     end_scene(&crater->run, file, &size);
 }
@@ -604,6 +656,13 @@ static void fall_on_bed(struct crater *crater, int seed) {
     }
 }
 
+static const struct peer crater_depth = {1.0, 1.0, 3};
+
+static const char crater_script[] =
+    "set title 'A ball falls on a bed'\n"
+    "set xlabel 'time (s)'\nset ylabel 'depth of its lowest point (m)'\n"
+    "plot for [k=1:3] 'crater.csv' using ($1==k ? $2 : NaN):3 with lines ls k title sprintf('run %d', k)\n";
+
 scree_status suite_crater(struct figures *figures) {
     static struct crater craters[CRATER_RUNS];
 #pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
@@ -613,10 +672,18 @@ scree_status suite_crater(struct figures *figures) {
         if (k == 0) write_scene(figures, &craters[k].run, "crater");
     }
     scree_status status = check_runs(figures, &craters[0].run, sizeof craters[0], CRATER_RUNS);
+    struct scree_out out = {0};
+    double depth = 0.0;
+    if (!status) status = figures_table(figures, "crater", "run,time_s,depth_m", &out);
     for (int k = 0; k < CRATER_RUNS; k++) {
-        printf("surface %g start %g end %g depth %g\n", craters[k].surface, craters[k].height[0],
-               craters[k].height[CRATER_ROWS - 1], craters[k].surface - craters[k].height[CRATER_ROWS - 1]);
+        const struct crater *c = &craters[k];
+        for (int row = 0; row < c->rows && !status; row++)
+            fprintf(out.file, "%d,%.17g,%.17g\n", k + 1, crater_from + 0.005 * row, c->surface - c->height[row]);
+        if (c->rows) depth += (c->surface - c->height[c->rows - 1]) / CRATER_RUNS;
         end_run(&craters[k].run);
     }
-    return status;
+    if (!status) status = scree_out_keep(&out, &figures->trouble);
+    if (status) return status;
+    report_beside(figures, "crater", "depth at which the ball stays (m)", &crater_depth, depth, CRATER_RUNS);
+    return figures_plot(figures, "crater", crater_script);
 }
