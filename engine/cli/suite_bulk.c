@@ -478,7 +478,9 @@ static void measure_heap(struct heap *heap) {
     heap->angle = atan(slope / square);
 }
 
-static const struct peer heap_angle[2] = {{1.0, 1.0, 3}, {1.0, 1.0, 3}}, heap_left[2] = {{1.0, 1.0, 3}, {1.0, 1.0, 3}};
+/* Heaps this small differ: by 1.4 degrees without rolling friction, by 2.8 with it, the grains left by 30 and 25. */
+static const struct peer heap_angle[2] = {{24.9415, 1.4, 3}, {29.2462, 2.8, 2}},
+                         heap_left[2] = {{1127.3, 30.0, 3}, {1244.0, 25.0, 2}};
 
 static const char heap_script[] =
     "set title 'Angle of repose: surface of what stays on a plate'\n"
@@ -661,7 +663,8 @@ static void fall_on_bed(struct crater *crater, int seed) {
     }
 }
 
-static const struct peer crater_depth = {1.0, 1.0, 3};
+/* From places to places the depth differs by 1.8 mm. */
+static const struct peer crater_depth = {0.02904, 1.8e-3, 1};
 
 static const char crater_script[] =
     "set title 'A ball falls on a bed'\n"
