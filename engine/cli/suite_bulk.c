@@ -24,7 +24,6 @@ struct run {
 
 struct grains {
     double young;            /* Pa */
-    double wall_friction;    /* 0: 0.2 */
     double rolling;          /* coefficient */
     double step, end, speed; /* s, s, m/s */
     const char *domain;      /* or "" */
@@ -38,7 +37,6 @@ static FILE *begin_scene(struct run *run, size_t *size, const struct grains *g) 
         run->status = scree_report(&run->trouble, SCREE_NO_MEMORY, NULL, "no memory for a scene");
         return NULL;
     }
-    double mu = g->wall_friction > 0.0 ? g->wall_friction : 0.2;
     fprintf(file,
             "gravity = [0, 0, -9.81]\n[time]\nend = %g\nstep = %g\nspeed = %g\n%s"
             "[[material]]\nname = \"m1\"\ndensity = 2500\nyoung = %g\npoisson = 0.2\n"
@@ -49,7 +47,7 @@ static FILE *begin_scene(struct run *run, size_t *size, const struct grains *g) 
         fprintf(file,
                 "[[contact]]\nbetween = [\"m1\", \"%s\"]\nnormal = { law = \"tsuji\", restitution = %g }\n"
                 "friction = { law = \"mindlin\", static = %g, kinetic = %g, damping = %g }\n",
-                wall ? "wall" : "m1", wall ? 0.4 : 0.5, wall ? mu : 0.3, wall ? mu : 0.3, wall ? 0.2556 : 0.19668);
+                wall ? "wall" : "m1", wall ? 0.4 : 0.5, wall ? 0.2 : 0.3, wall ? 0.2 : 0.3, wall ? 0.2556 : 0.19668);
         if (g->rolling > 0.0)
             fprintf(file, "rolling = { law = \"spring-dashpot\", rolling = %g, stiffness = %g, damping = %g }\n",
                     g->rolling, 0.25 * g->young * radius, 0.02);
@@ -235,8 +233,9 @@ static void empty_silo(struct silo *silo, int seed) {
 
 static const char silo_script[] = "set title 'Discharge of a silo through a square hole'\n"
                                   "set xlabel 'time since the opening (s)'\nset ylabel 'grains out'\nset key top left\n"
-                                  "plot for [k=5:7] 'silo.csv' using 2:($1==k ? $3 : NaN) with lines ls k-4 title "
-                                  "sprintf('hole of %d diameters', k)\n";
+                                  "hole(k) = 5.5 + 0.75*k\n"
+                                  "plot for [k=0:2] 'silo.csv' using 2:($1==hole(k) ? $3 : NaN) with lines ls k+1 "
+                                  "title sprintf('%g diameters', hole(k))\n";
 
 /* Beverloo, Leniger & van de Velde, Chem. Eng. Sci. 15 (1961) 260: W = C rho sqrt(g) (D - k d)^2.5; for a square hole (Nedderman,
  * Statics and Kinematics of Granular Materials, 1992, ch. 10: area and hydraulic diameter of what is left without a margin of k d/2)
@@ -284,7 +283,7 @@ scree_status suite_silo(struct figures *figures) {
 
 enum { COLUMN_RUNS = 2, COLUMN_BINS = 12, COLUMN_SAMPLES = 25 };
 
-static const double column_half = 16e-3, column_moves = 0.25, column_end = 0.5, column_friction = 0.2;
+static const double column_half = 16e-3, column_moves = 0.25, column_end = 0.5;
 
 /* The walls slide upwards, so that all grains along them hang on their friction. */
 struct column {
@@ -297,8 +296,7 @@ struct column {
 static const double column_bin = 0.01; /* m */
 
 static void make_column(struct column *column, int seed) {
-    struct grains g = {
-        .young = 1e6, .wall_friction = column_friction, .step = 4e-5, .end = 0.5, .speed = 1.0, .domain = ""};
+    struct grains g = {.young = 1e6, .step = 4e-5, .end = 0.5, .speed = 1.0, .domain = ""};
     size_t size;
     FILE *file = begin_scene(&column->run, &size, &g);
     if (!file) return;
