@@ -11,7 +11,7 @@
 
 static const char help[] =
     "usage: scree-bench hot [--bodies N] [--threads N] [--steps N] [--repeats N] [--settle N] [--laws NAME]\n"
-    "                       [--write FILE] [--read FILE]\n"
+    "                       [--integrator NAME] [--write FILE] [--read FILE]\n"
     "\n"
     "Time a step of a settled bed: spheres of 1 mm radius, 2500 kg/m^3, E = 1e7 Pa, nu = 0.25, e = 0.6, mu = 0.5, "
     "within five walls,\n"
@@ -20,7 +20,8 @@ static const char help[] =
     "--laws mindlin (default):\n"
     "Hertz's spring, Tsuji's dashpot, Mindlin's friction with memory; linear: linear spring, Coulomb's friction with "
     "memory; plain: Hertz's\n"
-    "spring alone. --write keeps the settled bed (positions, velocities, spins), --read takes it up again, so that "
+    "spring alone. --integrator verlet (default) or pair-impulse. --write keeps the settled bed (positions, "
+    "velocities, spins), --read takes it up again, so that "
     "builds can be\n"
     "compared on one bed. Columns: processor's path (SCREE_ISA=baseline, avx2 or avx512 asks for one), laws, bodies, "
     "threads;\n"
@@ -100,12 +101,13 @@ static void add_laws(scree_scene *scene, const char *laws) {
 }
 
 /* A bed as it begins; from a file (positions, velocities, spins) if there is one. */
-static scree_scene *make_bed(const struct bed *bed, const char *laws, int threads, FILE *start) {
+static scree_scene *make_bed(const struct bed *bed, const char *laws, scree_integrator integrator, int threads,
+                             FILE *start) {
     scree_scene *scene = scree_scene_create();
     if (!scene) exit(EXIT_MISSED);
     scree_material_def glass = {.name = "glass", .density = 2500.0, .young = 1e7, .poisson = 0.25};
     scree_gravity_def gravity = {.vector = {0.0, 0.0, -9.81}};
-    scree_time_def time = {.step = 1e-5, .threads = threads, .speed = 0.5};
+    scree_time_def time = {.step = 1e-5, .threads = threads, .speed = 0.5, .integrator = integrator};
     check(scene, scree_scene_add_material(scene, &glass, NULL));
     check(scene, scree_scene_set_gravity(scene, &gravity));
     check(scene, scree_scene_set_time(scene, &time));
@@ -178,6 +180,7 @@ static struct stages time_stages(scree_scene *scene, int bodies, int threads, in
 
 struct request {
     const char *laws, *write, *read;
+    scree_integrator integrator;
     int bodies, threads, steps, repeats, settle;
 };
 
@@ -187,7 +190,7 @@ static void run(const struct request *request) {
     double before = resident();
     FILE *start = request->read ? fopen(request->read, "rb") : NULL;
     if (request->read && !start) exit(cli_complain("%s can't be read", request->read));
-    scree_scene *scene = make_bed(&bed, request->laws, request->threads, start);
+    scree_scene *scene = make_bed(&bed, request->laws, request->integrator, request->threads, start);
     if (start) fclose(start);
     bench_step(scene, request->settle);
     if (request->write) write_bed(scene, request->write);
@@ -214,19 +217,21 @@ static void run(const struct request *request) {
 }
 
 int bench_hot(int count, char **words) {
-    const char *bodies = "10000", *threads = "1", *steps = "100", *repeats = "9", *settle = "15000";
+    const char *integrator = "verlet", *bodies = "10000", *threads = "1", *steps = "100", *repeats = "9",
+               *settle = "15000";
     struct request request = {.laws = "mindlin"};
-    const struct cli_option options[] = {{.name = "--bodies", .value = &bodies},
-                                         {.name = "--threads", .value = &threads},
-                                         {.name = "--steps", .value = &steps},
-                                         {.name = "--repeats", .value = &repeats},
-                                         {.name = "--settle", .value = &settle},
-                                         {.name = "--laws", .value = &request.laws},
-                                         {.name = "--write", .value = &request.write},
-                                         {.name = "--read", .value = &request.read},
-                                         {0}};
+    const struct cli_option options[] = {
+        {.name = "--bodies", .value = &bodies},         {.name = "--threads", .value = &threads},
+        {.name = "--steps", .value = &steps},           {.name = "--repeats", .value = &repeats},
+        {.name = "--settle", .value = &settle},         {.name = "--laws", .value = &request.laws},
+        {.name = "--integrator", .value = &integrator}, {.name = "--write", .value = &request.write},
+        {.name = "--read", .value = &request.read},     {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
+    if (strcmp(integrator, "pair-impulse") == 0)
+        request.integrator = SCREE_PAIR_IMPULSE;
+    else if (strcmp(integrator, "verlet") != 0)
+        return cli_complain("--integrator is verlet or pair-impulse, not \"%s\"", integrator);
     request.bodies = cli_whole_number(bodies, "--bodies", 10000000);
     request.threads = cli_whole_number(threads, "--threads", 1024);
     request.steps = cli_whole_number(steps, "--steps", 100000000);

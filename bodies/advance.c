@@ -158,17 +158,31 @@ struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, doubl
     return spin_at(attitude, inertia, joint, &frame, l, rate);
 }
 
+static void look_now(const struct scree_bodies *bodies, int index, double time, struct scree_bodies *shadow) {
+    struct scree_record *record = &shadow->record[index];
+    memcpy(record->x, bodies->state[index].x, sizeof record->x);
+    memcpy(record->v, bodies->state[index].v, sizeof record->v);
+    vec_store(scree_bodies_spin(bodies, index, time), record->w);
+    clear_loads(record);
+    if (shadow->slot[index] >= 0) face(shadow, index, quat_from(shadow->attitude[shadow->slot[index]].q));
+}
+
 void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow) {
     for (int k = 0; shadow != bodies && k < bodies->count; k++) shadow->record[k] = bodies->record[k];
     for (int k = 0; shadow != bodies && k < bodies->attitudes; k++) shadow->attitude[k] = bodies->attitude[k];
-    for (int k = 0; k < bodies->count; k++) {
-        struct scree_record *record = &shadow->record[k];
-        memcpy(record->x, bodies->state[k].x, sizeof record->x);
-        memcpy(record->v, bodies->state[k].v, sizeof record->v);
-        vec_store(scree_bodies_spin(bodies, k, time), record->w);
-        clear_loads(record);
-        if (shadow->slot[k] >= 0) face(shadow, k, quat_from(shadow->attitude[shadow->slot[k]].q));
-    }
+    for (int k = 0; k < bodies->count; k++) look_now(bodies, k, time, shadow);
+}
+
+void scree_body_look_now(const struct scree_bodies *bodies, int index, double time, struct scree_bodies *shadow) {
+    int slot = bodies->slot[index];
+    shadow->record[index] = bodies->record[index];
+    if (slot >= 0) shadow->attitude[slot] = bodies->attitude[slot];
+    look_now(bodies, index, time, shadow);
+}
+
+int scree_body_look_ahead(struct scree_bodies *bodies, int index, double step, const double gravity[3], double margin) {
+    if (bodies->class[index] == SCREE_CLASS_FIXED) return 0;
+    return look_ahead_general(bodies, index, step, gravity, margin);
 }
 
 void scree_bodies_start(struct scree_bodies *bodies, double time) {

@@ -65,6 +65,7 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     free(bodies->place);
     free(bodies->slab);
     free(bodies->past);
+    free(bodies->push);
     *bodies = (struct scree_bodies){0};
 }
 
@@ -166,7 +167,8 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*d
 
 scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble) {
     bodies->past = aligned_zeroed((size_t)bodies->count, sizeof *bodies->past);
-    if (bodies->past) return SCREE_OK;
+    bodies->push = aligned_zeroed((size_t)bodies->count, sizeof *bodies->push);
+    if (bodies->past && bodies->push) return SCREE_OK;
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the past of %d bodies", bodies->count);
 }
 

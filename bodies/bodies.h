@@ -55,10 +55,19 @@ struct scree_attitude {
 
 /* What the pair-impulse method (contact/impulse.c) keeps of a body, beside its record and state. */
 struct scree_past {
-    double f[2][3], t[2][3];          /* impulses (N s, N m s) of the last step and of the one before it */
-    double moment[3], turn_moment[3]; /* first moments of the step's impulses about its end, N s^2 and N m s^2 */
-    double known[3], known_turn[3];   /* accelerations that no contact causes: gravity, drives, gyration */
-    double range;                     /* bound of the way that any point of the body makes in the step, m */
+    double f[2][3], t[2][3];        /* impulses (N s, N m s) of the last step and of the one before it */
+    double turn_moment[3];          /* first moment of the step's angular impulses about its end, N m s^2 */
+    double known[3], known_turn[3]; /* accelerations that no contact causes: gravity, drives, gyration */
+    double range;                   /* bound of the way that any point of the body makes in the step, m */
+};
+
+/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads. All zero of fixed bodies. */
+struct scree_push {
+    double along[4];     /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
+    double more[4];      /* what extrapolation from the last two steps adds to it, m/s^2 */
+    double turn[4];      /* the same of rotation, rad/s^2; 1/moment of inertia of a ball, 1/(kg m^2) */
+    double turn_more[4]; /* rad/s^2 */
+    double moment[4];    /* what they and all others add to: first moment of the step's impulses about its end, N s^2 */
 };
 
 enum scree_body_class {
@@ -101,8 +110,9 @@ struct scree_bodies {
     int motions;
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
-    int periodic;                     /* along some axis */
-    double low[3], period[3];         /* where the box begins and after what length all repeats, m; 0: never */
+    struct scree_push *push;
+    int periodic;             /* along some axis */
+    double low[3], period[3]; /* where the box begins and after what length all repeats, m; 0: never */
 };
 
 /* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. Takes over `motions` motions. */
@@ -145,6 +155,10 @@ void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double ti
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
  * by scree_bodies_shadow (or `bodies` itself). */
 void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow);
+
+/* One body of these; the motions are where the time wants them. One that isn't a ball, for the second. */
+void scree_body_look_now(const struct scree_bodies *bodies, int index, double time, struct scree_bodies *shadow);
+int scree_body_look_ahead(struct scree_bodies *bodies, int index, double step, const double gravity[3], double margin);
 
 /* How many periods a coordinate is beyond the box. */
 static inline double scree_periods_off(const struct scree_bodies *bodies, double x, int axis) {

@@ -1,5 +1,6 @@
 /* How bodies move by impulses and their first moments, and what pairs have to know of them beforehand: the bodies' part of the
  * pair-impulse method. */
+#include "bodies/balls.h"
 #include "bodies/turning.h"
 
 #include <string.h>
@@ -12,13 +13,23 @@ static void settle_past(struct scree_past *past, const struct scree_record *reco
 }
 
 /* One free coordinate, from where it is at mid-step by its velocity at the start. */
-static inline void advance_along(int k, const struct scree_record *record, const struct scree_past *past,
+static inline void advance_along(int k, const struct scree_record *record, const double moment[3],
                                  struct scree_state *state, const struct scree_inertia *inertia, double step,
                                  const double gravity[3]) {
     double before = state->v[k], inverse_mass = inertia->inverse_mass[k];
     state->v[k] = settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
-    state->x[k] =
-        record->x[k] + (0.5 * step * before + (inverse_mass * past->moment[k] + 0.5 * step * step * gravity[k]));
+    state->x[k] = record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
+}
+
+static void advance_ball(const struct scree_record *record, const double moment[3], struct scree_state *state,
+                         double step, const double gravity[3]) {
+    for (int k = 0; k < 3; k++) {
+        double before = state->v[k], inverse_mass = record->inverse_mass;
+        state->v[k] = settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
+        state->x[k] =
+            record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
+        state->l[k] = settle(state->l[k] + record->t[k]);
+    }
 }
 
 static void turn_by_moments(struct scree_bodies *bodies, int index, double step) {
@@ -43,18 +54,20 @@ void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, d
         struct scree_state *state = &bodies->state[index];
         const scree_joint *joint = &bodies->joint[index];
         if (bodies->class[index] == SCREE_CLASS_FIXED) continue;
+        if (bodies->class[index] == SCREE_CLASS_BALL) {
+            advance_ball(record, bodies->push[index].moment, state, step, gravity);
+            settle_past(past, record);
+            continue;
+        }
         for (int k = 0; k < 3; k++) {
             if (joint->along[k] == SCREE_DRIVEN) {
                 state->x[k] = bodies->origin[index][k] + bodies->moved[joint->along_motion[k]].position;
                 state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
             } else if (joint->along[k] == SCREE_FREE) {
-                advance_along(k, record, past, state, &bodies->inertia[index], step, gravity);
+                advance_along(k, record, bodies->push[index].moment, state, &bodies->inertia[index], step, gravity);
             }
         }
-        if (bodies->class[index] == SCREE_CLASS_GENERAL)
-            turn_by_moments(bodies, index, step);
-        else
-            for (int k = 0; k < 3; k++) state->l[k] = settle(state->l[k] + record->t[k]);
+        turn_by_moments(bodies, index, step);
         settle_past(past, record);
     }
 }
@@ -102,18 +115,82 @@ static double range_of(const struct scree_bodies *bodies, const struct scree_bod
     return 2.0 * step * (along + around * reach);
 }
 
+/* What pairs read of the past. */
+static void prepare_push(const struct scree_bodies *bodies, int index, double step) {
+    const struct scree_past *past = &bodies->past[index];
+    struct scree_push *push = &bodies->push[index];
+    const double *mass = bodies->inertia[index].inverse_mass, moment = bodies->inertia[index].inverse_moments[0];
+    for (int k = 0; k < 3; k++) {
+        push->along[k] = past->known[k] + mass[k] * past->f[0][k] / step;
+        push->more[k] = mass[k] * (past->f[0][k] - past->f[1][k]) / step;
+        push->turn[k] = moment * past->t[0][k] / step;
+        push->turn_more[k] = moment * (past->t[0][k] - past->t[1][k]) / step;
+        push->moment[k] = 0.0;
+    }
+    push->along[3] = past->range;
+    push->turn[3] = moment;
+}
+
+/* All this for a ball: it starts from its state, gravity is all that is known, its own turning moves no surface. */
+static void look_ball(const struct scree_bodies *bodies, int index, double step, const double gravity[3], double fall,
+                      struct scree_record *now) {
+    const struct scree_record *record = &bodies->record[index];
+    const struct scree_state *state = &bodies->state[index];
+    const struct scree_past *past = &bodies->past[index];
+    struct scree_push *push = &bodies->push[index];
+    double along = record->inverse_mass / step, turn = state->inverse_moment / step;
+    for (int k = 0; k < 3; k++) {
+        now->x[k] = state->x[k];
+        now->v[k] = state->v[k];
+        now->w[k] = state->inverse_moment * state->l[k];
+        push->along[k] = gravity[k] + along * past->f[0][k];
+        push->more[k] = along * (past->f[0][k] - past->f[1][k]);
+        push->turn[k] = turn * past->t[0][k];
+        push->turn_more[k] = turn * (past->t[0][k] - past->t[1][k]);
+        push->moment[k] = 0.0;
+    }
+    now->radius = record->radius;
+    now->inverse_mass = record->inverse_mass;
+    now->limit = record->limit;
+    now->bound = record->bound;
+    double kicks = 2.0 * vec_norm(vec_from(past->f[0])) + vec_norm(vec_from(past->f[1]));
+    push->along[3] = 2.0 * step * (vec_norm(vec_from(state->v)) + record->inverse_mass * kicks + step * fall);
+    push->turn[3] = state->inverse_moment;
+    bodies->past[index].range = push->along[3];
+    memcpy(bodies->past[index].known, gravity, sizeof past->known);
+}
+
 int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                            double margin, struct scree_bodies *now) {
-    scree_bodies_look_now(bodies, time, now);
+    double fall = vec_norm(vec_from(gravity));
+    int too_far = 0;
+    now->push = bodies->push;
     drive_to(bodies, time + step);
     for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
+        if (bodies->class[k] == SCREE_CLASS_BALL) {
+            look_ball(bodies, k, step, gravity, fall, &now->record[k]);
+            continue;
+        }
+        scree_body_look_now(bodies, k, time, now);
+        if (bodies->class[k] == SCREE_CLASS_FIXED) { /* another order may have put it in the place of a ball */
+            bodies->push[k] = (struct scree_push){{0.0}, {0.0}, {0.0}, {0.0}, {0.0}};
+            continue;
+        }
         know(bodies, now, k, step, gravity, &bodies->past[k]);
         bodies->past[k].range = range_of(bodies, now, k, step);
-        memset(bodies->past[k].moment, 0, sizeof bodies->past[k].moment);
+        prepare_push(bodies, k, step);
         memset(bodies->past[k].turn_moment, 0, sizeof bodies->past[k].turn_moment);
     }
-    return scree_bodies_look_ahead(bodies, time, step, gravity, margin);
+    drive_to(bodies, time + 0.5 * step);
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] == SCREE_CLASS_BALL) {
+            double square = scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity));
+            too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
+        } else {
+            too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);
+        }
+    }
+    return too_far;
 }
 
 struct mat scree_bodies_inverse_inertia(const struct scree_bodies *bodies, int index) {

@@ -264,8 +264,8 @@ struct scree_departure {
 int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                                 const struct scree_departure *go);
 
-/* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one, two with
- * friction. */
+/* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one, with
+ * friction two where one isn't enough. */
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps);
 
 /* Give contacts and bodies the past of a state at rest: the forces of `now` for two steps. For the start of a run. */

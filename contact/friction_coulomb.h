@@ -36,9 +36,9 @@ static inline struct scree_hold coulomb_hold(const struct scree_law_constants *l
     return (struct scree_hold){at.sliding > 0.0 ? kinetic : law->c[COULOMB_STATIC] * at.normal, kinetic};
 }
 
-static inline struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
-                                                             struct scree_pair_constants pair,
-                                                             struct scree_sliding at) {
+static SCREE_INLINE struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
+                                                                   struct scree_pair_constants pair,
+                                                                   struct scree_sliding at) {
     (void)pair;
     struct scree_hold hold = coulomb_hold(law, at);
     return scree_slider(at, law->c[COULOMB_STIFFNESS], law->c[COULOMB_DAMPING], hold.holds, hold.slides);

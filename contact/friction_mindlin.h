@@ -12,9 +12,9 @@
 /* Added to a dashpot's pair constant before it divides, N s/m^(5/4): changes none above 1e-84. */
 #define SCREE_NO_DRAG 1e-100
 
-static inline struct scree_tangential friction_mindlin_force(const struct scree_law_constants *law,
-                                                             struct scree_pair_constants pair,
-                                                             struct scree_sliding at) {
+static SCREE_INLINE struct scree_tangential friction_mindlin_force(const struct scree_law_constants *law,
+                                                                   struct scree_pair_constants pair,
+                                                                   struct scree_sliding at) {
     struct scree_hold hold = mindlin_hold(law, at);
     /* With k = K q^2 and c = D q, lag and slack of the slider take one division between them, and no root of k. */
     double k = mindlin_stiffness(law, pair, at.overlap), q = sqrt(sqrt(at.overlap > 0.0 ? at.overlap : 0.0));

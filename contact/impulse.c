@@ -13,7 +13,7 @@
  *
  * The directions of J and M are those at mid-step. Everything is a function of one contact and its two bodies, summed in
  * the order of the list: the same bits for any number of threads. */
-#include "contact/contacts.h"
+#include "contact/loop.h"
 #include "contact/meet.h"
 #include "contact/within.h"
 
@@ -142,7 +142,8 @@ static struct scree_pair_motion laws_of(const struct scree_contacts *contacts, s
     p.reach = p.normal->reach ? p.normal->reach(p.normal_law, p.normal_pair) : 0.0;
     p.root = p.normal->root;
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
-    p.trial = p.friction && p.friction->slider && p.friction->damping(p.friction_law, p.friction_pair, 0.0) == 0.0;
+    p.trial = p.friction && p.friction->slider && p.friction->damping(p.friction_law, p.friction_pair, 1.0) == 0.0;
+    p.turns = !p.normal->turns_smoothly || (p.friction && p.friction->rescaled);
     p.books = contacts->measured;
     p.substeps = contacts->substeps ? contacts->substeps : p.friction ? 2 : 1;
     return p;
@@ -353,21 +354,25 @@ static void write_nothing(struct place place) {
     yield->steep[place.lane] = 0.0;
 }
 
-/* One contact through one step. */
-static void impel(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                  const struct scree_bodies *bodies_now, struct place place, double step) {
+/* What becomes of a contact in a step. */
+struct outcome {
+    struct scree_pair_motion p;
+    struct scree_pair_instant at; /* at the end */
+    struct scree_pair_yield sum;
+    struct view now, middle;
+};
+
+/* One contact through one step, without a trace. Returns 0 if nothing can happen. */
+static int reckon(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                  const struct scree_bodies *bodies_now, struct place place, double step, struct outcome *o) {
     const struct scree_batch *batch = place.batch;
     const struct scree_contact *contact = &batch->contact[place.index];
-    struct view now = view_of(bodies_now, contact, batch->geometry);
-    const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
-    place.yield->depth[place.lane] = now.overlap / (a->limit < b->limit ? a->limit : b->limit);
-    if (idle(bodies, place, now.overlap)) {
-        write_nothing(place);
-        return;
-    }
+    struct view now = o->now = view_of(bodies_now, contact, batch->geometry);
+    if (idle(bodies, place, now.overlap)) return 0;
     struct view middle = view_of(bodies, contact, batch->geometry);
     /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step counts. */
     if (vec_dot(now.normal, middle.normal) < 0.9 || middle.overlap < 0.5 * SCREE_OUTSIDE) middle = now;
+    o->middle = middle;
     int turns = scree_contact_turns(batch, contact);
     struct side ball = side_of(bodies, bodies_now, contact->ball, now.arm, 1.0, turns);
     struct side host = side_of(bodies, bodies_now, contact->host, vec_add(now.arm, now.apart), -1.0, turns);
@@ -379,28 +384,45 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
         host.lean_turn = vec_scale(-1.0, now.turn_host);
     }
 
-    struct scree_pair_motion p = laws_of(contacts, place);
-    p.n = now.normal;
-    p.step = step;
-    set_give(&p, &ball, &host);
+    struct scree_pair_motion *p = &o->p;
+    *p = laws_of(contacts, place);
+    p->n = now.normal;
+    p->step = step;
+    set_give(p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);
-    struct scree_pair_instant at = instant_of(&p, place, now, velocity);
-    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    o->at = instant_of(p, place, now, velocity);
+    o->sum = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
     int covered = ball.leans && now.overlap == 0.0; /* corners bear all; the plain normal would foretell a touch */
-    if (now.overlap > 0.5 * SCREE_OUTSIDE && p.normal_give > 0.0 && !covered) {
-        double more = extrapolation(&p, &at);
+    if (now.overlap > 0.5 * SCREE_OUTSIDE && p->normal_give > 0.0 && !covered) {
+        double more = extrapolation(p, &o->at);
         struct vec last = past_of(batch, 0, place.index);
         struct vec own = vec_axpy(last, more, vec_sub(last, past_of(batch, 1, place.index)));
-        p.a = vec_sub(acceleration(&ball, own, more, step), acceleration(&host, own, more, step));
-        p.a = vec_add(p.a, drift(&ball, &host, now, middle, velocity, step));
-        sum = scree_pair_act(&p, &at);
+        p->a = vec_sub(acceleration(&ball, own, more, step), acceleration(&host, own, more, step));
+        p->a = vec_add(p->a, drift(&ball, &host, now, middle, velocity, step));
+        o->sum = scree_pair_act(p, &o->at);
     }
-    if (covered) at = (struct scree_pair_instant){.overlap = 0.0};
-    keep(&p, place, &at);
-    struct vec impulse = turn_along(sum.impulse, now.normal, middle.normal);
-    write_yield(&sum, middle, impulse, turn_along(sum.moment, now.normal, middle.normal), place);
-    roll(contacts, bodies, place, middle, vec_dot(impulse, middle.normal) / step, at.overlap > 0.0, step);
-    double steep = batch->slope * vec_dot(impulse, middle.normal) * 4.0 * (a->inverse_mass + b->inverse_mass);
+    if (covered) o->at = (struct scree_pair_instant){.overlap = 0.0};
+    return 1;
+}
+
+/* One contact through one step. */
+static void impel(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                  const struct scree_bodies *bodies_now, struct place place, double step) {
+    const struct scree_batch *batch = place.batch;
+    const struct scree_contact *contact = &batch->contact[place.index];
+    const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
+    struct outcome o;
+    int acts = reckon(contacts, bodies, bodies_now, place, step, &o);
+    place.yield->depth[place.lane] = o.now.overlap / (a->limit < b->limit ? a->limit : b->limit);
+    if (!acts) {
+        write_nothing(place);
+        return;
+    }
+    keep(&o.p, place, &o.at);
+    struct vec now = o.now.normal, middle = o.middle.normal, impulse = turn_along(o.sum.impulse, now, middle);
+    write_yield(&o.sum, o.middle, impulse, turn_along(o.sum.moment, now, middle), place);
+    roll(contacts, bodies, place, o.middle, vec_dot(impulse, middle) / step, o.at.overlap > 0.0, step);
+    double steep = batch->slope * vec_dot(impulse, middle) * 4.0 * (a->inverse_mass + b->inverse_mass);
     place.yield->steep[place.lane] = steep;
 }
 
@@ -409,52 +431,71 @@ static int contacts_in_block(const struct scree_batch *batch, int block) {
     return left < SCREE_LANES ? left : SCREE_LANES;
 }
 
+/* Contacts first … first + count - 1, a block or less: what they yield. Those that go several at once keep no books: where books are
+ * wanted, each is reckoned beside it, so that what is measured changes no bit of the motion. */
+static void impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
+                        double step, struct scree_yield *yield, struct scree_moments *moments) {
+    const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
+    struct scree_pair_yield books[SCREE_LANES];
+    struct outcome o;
+    for (int lane = 0; contacts->measured && lane < count; lane++) {
+        struct place place = {batch, first + lane, lane, yield, moments};
+        books[lane] = (struct scree_pair_yield){.lost = 0.0};
+        if (reckon(contacts, bodies, now, place, step, &o)) books[lane] = o.sum;
+    }
+    yield->lost_normal = yield->work_tangential = 0.0;
+    yield->silent = 0;
+    uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
+    for (int lane = 0; lane < count; lane++) {
+        if (left >> lane & 1) {
+            impel(contacts, bodies, now, (struct place){batch, first + lane, lane, yield, moments}, step);
+        } else if (contacts->measured) {
+            yield->lost_normal += books[lane].lost;
+            yield->work_tangential += books[lane].rubbed;
+        }
+    }
+}
+
 static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
-    batch->yield[block].lost_normal = batch->yield[block].work_tangential = 0.0;
-    batch->yield[block].silent = 0;
-    for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
-        int index = batch->segment[0].first + block * SCREE_LANES + lane;
-        impel(contacts, bodies, now, (struct place){batch, index, lane, &batch->yield[block], &batch->moments[block]},
-              step);
+    impel_lanes(contacts, bodies, now, batch, batch->segment[0].first + block * SCREE_LANES,
+                contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block]);
+}
+
+/* Moments of angular impulses into the bodies; balls have no attitude, and need none. `hosts` 0: partners are frozen. */
+static void add_turn_moments(struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
+                             int hosts, const struct scree_moments *moments) {
+    for (int lane = 0; batch->any_turns && lane < count; lane++) {
+        const struct scree_contact *contact = &batch->contact[first + lane];
+        struct scree_past *ball = &bodies->past[contact->ball], *host = &bodies->past[contact->host];
+        int turns = scree_contact_turns(batch, contact);
+        int ball_turns = turns && bodies->class[contact->ball] == SCREE_CLASS_GENERAL;
+        int host_turns = turns && hosts && bodies->class[contact->host] == SCREE_CLASS_GENERAL;
+        for (int k = 0; ball_turns && k < 3; k++) ball->turn_moment[k] += moments->turn_ball[k][lane];
+        for (int k = 0; host_turns && k < 3; k++) host->turn_moment[k] += moments->turn_host[k][lane];
     }
 }
 
-/* `hosts` 0: the partner is frozen. */
-static void add_moments(struct scree_bodies *bodies, const struct scree_contact *contact,
-                        const struct scree_moments *moments, int lane, int turns, int hosts) {
-    struct scree_past *ball = &bodies->past[contact->ball], *host = &bodies->past[contact->host];
-    for (int k = 0; k < 3; k++) {
-        ball->moment[k] += moments->impulse[k][lane];
-        if (hosts) host->moment[k] -= moments->impulse[k][lane];
-        if (!turns) continue;
-        ball->turn_moment[k] += moments->turn_ball[k][lane];
-        if (hosts) host->turn_moment[k] += moments->turn_host[k][lane];
+/* Contacts that turn nothing, among others that do. */
+static void clear_turns(const struct scree_batch *batch, int first, int count, struct scree_yield *yield) {
+    struct vec zero = {0.0, 0.0, 0.0};
+    for (int lane = 0; batch->any_turns && !batch->turns && lane < count; lane++) {
+        if (scree_contact_turns(batch, &batch->contact[first + lane])) continue;
+        put(yield->turn_ball, lane, zero);
+        put(yield->turn_host, lane, zero);
     }
 }
 
-static void add_impulses(struct scree_bodies *bodies, const struct scree_contact *contact,
-                         const struct scree_yield *yield, int turns, int hosts) {
-    struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    for (int k = 0; k < 3; k++) {
-        ball->f[k] += yield->impulse[k][0];
-        if (hosts) host->f[k] -= yield->impulse[k][0];
-        if (!turns) continue;
-        ball->t[k] += yield->turn_ball[k][0];
-        if (hosts) host->t[k] += yield->turn_host[k][0];
-    }
-}
-
-static void tally_up(const struct scree_contact *contact, const struct scree_yield *yield, struct scree_tally *tally) {
-    tally->lost_normal += yield->lost_normal;
-    tally->work_tangential += yield->work_tangential;
-    if (!(yield->depth[0] <= tally->deepest)) {
-        tally->deepest = yield->depth[0];
+static void tally_up(const struct scree_contact *contact, const struct scree_yield *yield, int lane,
+                     struct scree_tally *tally) {
+    if (!(yield->depth[lane] <= tally->deepest)) {
+        tally->deepest = yield->depth[lane];
         tally->deepest_ball = contact->ball;
         tally->deepest_host = contact->host;
     }
-    if (!(yield->steep[0] <= tally->steepest)) {
-        tally->steepest = yield->steep[0];
+    if (!(yield->steep[lane] <= tally->steepest)) {
+        tally->steepest = yield->steep[lane];
         tally->steepest_ball = contact->ball;
         tally->steepest_host = contact->host;
     }
@@ -472,14 +513,16 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
     struct scree_yield yield;
     struct scree_moments moments;
     int hosts = batch->geometry == SCREE_BALL_BALL;
-    for (int k = segment->first; k < segment->first + segment->count; k++) {
-        const struct scree_contact *contact = &batch->contact[k];
-        int turns = scree_contact_turns(batch, contact);
-        yield.lost_normal = yield.work_tangential = 0.0;
-        impel(contacts, bodies, stride->now, (struct place){batch, k, 0, &yield, &moments}, step);
-        add_impulses(bodies, contact, &yield, turns, hosts);
-        add_moments(bodies, contact, &moments, 0, turns, hosts);
-        tally_up(contact, &yield, tally);
+    for (int done = 0; done < segment->count; done += SCREE_LANES) {
+        int left = segment->count - done, first = segment->first + done,
+            count = left < SCREE_LANES ? left : SCREE_LANES;
+        impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
+        clear_turns(batch, first, count, &yield);
+        contacts->loop->add_up(bodies, &batch->contact[first], count, batch->any_turns, hosts, &yield, &moments);
+        add_turn_moments(bodies, batch, first, count, hosts, &moments);
+        for (int lane = 0; lane < count; lane++) tally_up(&batch->contact[first + lane], &yield, lane, tally);
+        tally->lost_normal += yield.lost_normal;
+        tally->work_tangential += yield.work_tangential;
     }
 }
 
@@ -494,10 +537,14 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
     }
     for (int block = 0; block < blocks; block++) {
         scree_contacts_collect(contacts, bodies, batch, block);
-        for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
-            const struct scree_contact *contact = &batch->contact[batch->segment[0].first + block * SCREE_LANES + lane];
-            add_moments(bodies, contact, &batch->moments[block], lane, scree_contact_turns(batch, contact), 1);
-        }
+        int first = batch->segment[0].first + block * SCREE_LANES, count = contacts_in_block(batch, block);
+        const struct scree_moments *moments = &batch->moments[block];
+        for (int lane = 0; lane < count; lane++)
+            for (int k = 0; k < 3; k++) {
+                bodies->push[batch->contact[first + lane].ball].moment[k] += moments->impulse[k][lane];
+                bodies->push[batch->contact[first + lane].host].moment[k] -= moments->impulse[k][lane];
+            }
+        add_turn_moments(bodies, batch, first, count, 1, moments);
     }
 }
 

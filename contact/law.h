@@ -14,6 +14,9 @@
 #include "bodies/vec.h"
 #include "contact/choice.h"
 
+/* For what is called several times in one pass of the loop: what isn't inlined isn't vectorised. */
+#define SCREE_INLINE inline __attribute__((always_inline))
+
 enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12 };
 
 /* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the normal
@@ -85,9 +88,10 @@ struct scree_law_text {
 
 struct scree_normal_law {
     struct scree_law_text text;
-    int cut;    /* force never pulls: F = max(0, F); the contact ends where F = 0 */
-    int memory; /* keeps numbers of the contact */
-    int root;   /* the dashpot sets in like this root of the overlap (4, 2); 0: like a whole power, or at once */
+    int cut;            /* force never pulls: F = max(0, F); the contact ends where F = 0 */
+    int memory;         /* keeps numbers of the contact */
+    int turns_smoothly; /* one formula holds while bodies approach and part */
+    int root; /* the dashpot sets in like this root of the overlap (4, 2); 0: like a whole power, or at once */
     /* Check what ranges can't say and compute the law's constants. `values` are within their ranges. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* `mass` effective mass m1 m2/(m1 + m2), kg; `radius` effective radius R1 R2/(R1 + R2), m. */

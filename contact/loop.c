@@ -620,7 +620,9 @@ static int move(struct scree_bodies *bodies, int from, int to, const struct scre
     return too_far;
 }
 
+#include "contact/smooth.h"
+
 #define NAME_OF(loop) #loop
 #define NAMED(loop)   NAME_OF(loop)
 #define PREFIX        (sizeof "scree_loop_" - 1)
-const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight, move};
+const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight, move, impel, add_up};

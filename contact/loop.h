@@ -14,6 +14,14 @@ struct scree_loop {
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally);
     /* Bodies from … to - 1, free or frozen balls, go on (scree_departure). */
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go);
+    /* As many contacts through a step by pair impulses (smooth.h), from what `now` shows of its start. Bits of those that it
+     * can't do are set, and their lanes left alone. */
+    uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                      const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
+                      struct scree_moments *moments);
+    /* Impulses of a block of them and their first moments into the bodies. */
+    void (*add_up)(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns, int hosts,
+                   struct scree_yield *yield, struct scree_moments *moments);
 };
 
 extern const struct scree_loop scree_loop_baseline, scree_loop_avx2, scree_loop_avx512;

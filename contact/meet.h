@@ -134,7 +134,7 @@ static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *b
  * part s was along the normal, and 1/sqrt(1 - s/A) is taken as its Pade approximant of orders 2 and 2, which errs by (s/A)^5/512:
  * by rounding while the normal turns by less than 0.05 in a step, and by 3e-4 for an eighth of a turn. The threshold keeps
  * rounding from doing anything where the normal stands still. */
-static inline struct vec scree_into_tangent_plane(struct vec stretch, struct vec normal) {
+static SCREE_INLINE struct vec scree_into_tangent_plane(struct vec stretch, struct vec normal) {
     double along = vec_dot(stretch, normal), square = vec_norm2(stretch), s = along * along;
     struct vec flat = vec_axpy(stretch, -along, normal);
     double above = square * square + s * (0.0625 * s - 0.75 * square);

@@ -15,8 +15,8 @@ static inline scree_status normal_hertz_bake(const struct scree_values *values, 
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_hertz_force(const struct scree_law_constants *law,
-                                                           struct scree_pair_constants pair, struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force
+normal_hertz_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)law;
     double d = at.overlap > 0.0 ? at.overlap : 0.0;
     double spring = pair.c[HERTZ_STIFFNESS] * d * sqrt(d);
@@ -40,6 +40,7 @@ static const struct scree_normal_law scree_normal_hertz = {
              .parameters = hertz_parameters,
              .example = "stiffness = 5e6"},
     .cut = 0,
+    .turns_smoothly = 1,
     .bake = normal_hertz_bake,
     .pair = hertz_pair,
     .force = normal_hertz_force,

@@ -124,6 +124,7 @@ static const struct scree_normal_law scree_normal_hunt_crossley = {
              .example = "stiffness = 5e6, restitution = 0.5, speed = 1.0",
              .parameters = hunt_parameters},
     .cut = 1,
+    .turns_smoothly = 1,
     .bake = normal_hunt_crossley_bake,
     .pair = scree_any_pair,
     .force = normal_hunt_crossley_force,

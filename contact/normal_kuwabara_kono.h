@@ -31,6 +31,7 @@ static const struct scree_normal_law scree_normal_kuwabara_kono = {
              .example = "stiffness = 5e6, restitution = 0.5, speed = 1.0"},
     .cut = 0,
     .root = 2,
+    .turns_smoothly = 1,
     .bake = normal_kuwabara_kono_bake,
     .pair = kuwabara_pair,
     .force = normal_kuwabara_kono_force,

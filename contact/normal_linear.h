@@ -6,7 +6,7 @@
 
 #include "contact/linear.h"
 
-static inline struct scree_normal_force
+static SCREE_INLINE struct scree_normal_force
 normal_linear_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     double spring = law->c[LINEAR_STIFFNESS] * at.overlap;
     return (struct scree_normal_force){spring, pair.c[LINEAR_DAMPING], spring, 0.0, 0.0};
@@ -35,6 +35,7 @@ static const struct scree_normal_law scree_normal_linear = {
              .example = "stiffness = 1e5, restitution = 0.5",
              .parameters = linear_parameters},
     .cut = 0,
+    .turns_smoothly = 1,
     .bake = normal_linear_bake,
     .pair = linear_pair,
     .force = normal_linear_force,

@@ -6,9 +6,9 @@
 
 #include "contact/linear.h"
 
-static inline struct scree_normal_force normal_linear_cut_force(const struct scree_law_constants *law,
-                                                                struct scree_pair_constants pair,
-                                                                struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_linear_cut_force(const struct scree_law_constants *law,
+                                                                      struct scree_pair_constants pair,
+                                                                      struct scree_pressing at) {
     double spring = law->c[LINEAR_STIFFNESS] * at.overlap;
     return (struct scree_normal_force){spring, pair.c[LINEAR_DAMPING], spring, 0.0, 0.0};
 }
@@ -38,6 +38,7 @@ static const struct scree_normal_law scree_normal_linear_cut = {
              .example = "stiffness = 1e5, restitution = 0.5",
              .parameters = linear_parameters},
     .cut = 1,
+    .turns_smoothly = 1,
     .bake = normal_linear_cut_bake,
     .pair = linear_pair,
     .force = normal_linear_cut_force,

@@ -39,6 +39,7 @@ static const struct scree_normal_law scree_normal_matched = {
              .example = "stiffness = 5e6, exponent = 1.5, restitution = 0.5"},
     .cut = 0,
     .root = 4,
+    .turns_smoothly = 1,
     .bake = normal_matched_bake,
     .pair = matched_pair,
     .force = normal_matched_force,

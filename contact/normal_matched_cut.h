@@ -40,6 +40,7 @@ static const struct scree_normal_law scree_normal_matched_cut = {
              .example = "stiffness = 1e7, exponent = 2.0, restitution = 0.5"},
     .cut = 1,
     .root = 4,
+    .turns_smoothly = 1,
     .bake = normal_matched_cut_bake,
     .pair = matched_pair,
     .force = normal_matched_cut_force,

@@ -14,8 +14,8 @@ static inline scree_status normal_tsuji_bake(const struct scree_values *values, 
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_tsuji_force(const struct scree_law_constants *law,
-                                                           struct scree_pair_constants pair, struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force
+normal_tsuji_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)law;
     return tsuji_force(pair, at);
 }
@@ -38,6 +38,7 @@ static const struct scree_normal_law scree_normal_tsuji = {
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 0,
     .root = 4,
+    .turns_smoothly = 1,
     .bake = normal_tsuji_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_force,

@@ -15,9 +15,9 @@ static inline scree_status normal_tsuji_cut_bake(const struct scree_values *valu
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_tsuji_cut_force(const struct scree_law_constants *law,
-                                                               struct scree_pair_constants pair,
-                                                               struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_tsuji_cut_force(const struct scree_law_constants *law,
+                                                                     struct scree_pair_constants pair,
+                                                                     struct scree_pressing at) {
     (void)law;
     return tsuji_force(pair, at);
 }
@@ -41,6 +41,7 @@ static const struct scree_normal_law scree_normal_tsuji_cut = {
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,
     .root = 4,
+    .turns_smoothly = 1,
     .bake = normal_tsuji_cut_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_cut_force,

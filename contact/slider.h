@@ -16,8 +16,9 @@
 
 /* Forces in N: `holds` is the largest that the slider bears, `slides` (<= holds) that with which it slides. k > 0, c >= 0; `lag` is
  * c/(c + half k), `slack` (lag^2 - 1)/k. */
-static inline struct scree_tangential scree_slider_lagging(struct scree_sliding at, double k, double c, double lag,
-                                                           double slack, double holds, double slides) {
+static SCREE_INLINE struct scree_tangential scree_slider_lagging(struct scree_sliding at, double k, double c,
+                                                                 double lag, double slack, double holds,
+                                                                 double slides) {
     double late = at.sliding > 0.0 ? (1.0 - lag) * at.half : 0.0;
     struct vec middle = vec_axpy(at.stretch, at.half + late, at.velocity);
     struct vec trial = vec_axpy(vec_scale(-k, middle), -c, at.velocity);
@@ -33,8 +34,8 @@ static inline struct scree_tangential scree_slider_lagging(struct scree_sliding 
     return (struct scree_tangential){force, stretch, sliding ? 1.0 : 0.0};
 }
 
-static inline struct scree_tangential scree_slider(struct scree_sliding at, double k, double c, double holds,
-                                                   double slides) {
+static SCREE_INLINE struct scree_tangential scree_slider(struct scree_sliding at, double k, double c, double holds,
+                                                         double slides) {
     double lag = c / (c + at.half * k + SCREE_NO_SPEED);
     return scree_slider_lagging(at, k, c, lag, (lag * lag - 1.0) / k, holds, slides);
 }

@@ -366,8 +366,9 @@ static void touch(const struct scree_pair_motion *p, struct scree_pair_instant *
         }
         struct scree_pair_instant to = go(p, at, near, piece, &part);
         double closing = closing_of(p, at);
-        /* Laws may change where approach turns into parting; where nothing moves to speak of, no force does either. */
-        int turns = !turned && closing > 0.0 && closing_of(p, &to) < 0.0 && closing * piece > 1e-12 * at->overlap;
+        /* Where nothing moves to speak of, no force changes either. */
+        int turns =
+            p->turns && !turned && closing > 0.0 && closing_of(p, &to) < 0.0 && closing * piece > 1e-12 * at->overlap;
         int ends = !turns && lasting(p, &to) < 0.0;
         if (turns || ends) shorten(p, turns ? TURNS : ENDS, at, near, &piece, &to, &part);
         if (ends && !(lasting(p, at) > 0.0)) { /* it ends before it begins */

@@ -20,6 +20,7 @@ struct scree_pair_motion {
     int root, substeps;
     int trial; /* friction is a slider behind a bare spring */
     int holds; /* reckon as if that slider held whatever comes */
+    int turns; /* force may change its formula where approach turns into parting */
     int books; /* energy is looked at */
 };
 

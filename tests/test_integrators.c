@@ -591,6 +591,70 @@ static void test_same_bits(void) {
     free(text);
 }
 
+/* `balls` balls fall on a wall obliquely, each at its own time and far from the others, and the last third of them in pairs on each other. */
+static char *rain_text(int balls, const char *laws) {
+    char *text = malloc((size_t)balls * 320 + 1024);
+    int used = sprintf(
+        text, "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nforce = true\n[[material]]\nname = \"m\"\n[[body]]\nname = "
+              "\"wall\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n");
+    for (int k = 0; k < balls; k++) {
+        double height = 0.0101 + 0.0003 * k, x = 0.05 * k;
+        if (k % 3 == 2 && k > 2) { /* on the one before */
+            height += 0.0208;
+            x -= 0.048;
+        }
+        used += sprintf(
+            text + used,
+            "[[body]]\nname = \"%d\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 0.03\nposition = [%.17g, "
+            "0, %.17g]\nvelocity = [%.17g, 0.1, -1]\nspin = [0, %d, 3]\n",
+            k, x, height, 0.2 + 0.01 * k, 7 * k);
+    }
+    sprintf(text + used, "[[contact]]\nbetween = [\"m\", \"m\"]\n%s\n", laws);
+    return text;
+}
+
+/* What becomes of a contact doesn't depend on those that are reckoned with it, nor on how many are at once. */
+static void test_alone(void) {
+    static const char *const laws[] = {
+        "normal = { law=\"linear\", stiffness=1e5, restitution=0.5 }",
+        "normal = { law=\"tsuji-cut\", stiffness=5e6, restitution=0.5 }",
+        "normal = { law=\"linear-cut\", stiffness=1e5, restitution=0.5 }\n"
+        "friction = { law=\"coulomb\", static=0.3, kinetic=0.3, stiffness=8e4 }",
+        "normal = { law=\"tsuji\", stiffness=5e6, restitution=0.5 }\n"
+        "friction = { law=\"mindlin\", static=0.4, kinetic=0.3, shear_modulus=8e6, damping=0.1 }",
+        "normal = { law=\"hertz\", stiffness=5e6 }\n"
+        "friction = { law=\"mindlin\", static=0.4, kinetic=0.3, shear_modulus=8e6 }",
+    };
+    static const char *const isa[] = {"baseline", "avx2", "avx512"};
+    const char *before = getenv("SCREE_ISA");
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+        uint64_t hash[3];
+        for (int i = 0; i < 3; i++) {
+            char *few_text = rain_text(2, laws[l]), *many_text = rain_text(90, laws[l]);
+            setenv("SCREE_ISA", isa[i], 1);
+            scree_scene *few = scene_with(few_text, 5e-5, pair_impulse, 0),
+                        *many = scene_with(many_text, 5e-5, pair_impulse, 0);
+            go(few, 1000);
+            go(many, 1000);
+            for (int k = 0; k < 2; k++) {
+                scree_body_state one = scree_scene_body(few, 1 + k), same = scree_scene_body(many, 1 + k);
+                CHECK(memcmp(&one, &same, sizeof one) == 0);
+                CHECK(one.velocity[2] > 0.0); /* it has been on the wall */
+            }
+            hash[i] = scree_scene_hash(many);
+            CHECK(hash[i] == hash[0]);
+            scree_scene_destroy(few);
+            scree_scene_destroy(many);
+            free(few_text);
+            free(many_text);
+        }
+    }
+    if (before)
+        setenv("SCREE_ISA", before, 1);
+    else
+        unsetenv("SCREE_ISA");
+}
+
 static void test_golden(void) {
     static const char *const changes[] = {pair_impulse};
     check_golden("pair_impulse.txt", changes, 1, NULL, 4);
@@ -608,6 +672,7 @@ int main(void) {
     test_limit();
     test_books();
     test_same_bits();
+    test_alone();
     test_golden();
     return check_report();
 }

@@ -113,8 +113,10 @@ static const struct {
     {"oblique impact (mindlin)", pair, "contact.0.friction={law=\"mindlin\", static=10, kinetic=10, shear_modulus=8e6}",
      50, 400, 2.0},
     {"sphere rolls down an incline", verlet, NULL, 100, 800, 2.0},
-    {"sphere rolls down an incline", pair, NULL, 25, 200, 4.0},
-    {"sphere slips down an incline", pair, NULL, 25, 200, 4.0},
+    /* With a given number of substeps: left to itself the integrator takes one or two, whichever the step asks for, and errors
+     * are no single power. */
+    {"sphere rolls down an incline", pair, "time.substeps=2", 25, 200, 4.0},
+    {"sphere slips down an incline", pair, "time.substeps=2", 25, 200, 4.0},
     {"cradle", verlet, NULL, 50, 800, 2.0},
     {"cradle", pair, NULL, 200, 1600, 3.0},
     {"damped row of three", verlet, NULL, 50, 400, 2.0},
