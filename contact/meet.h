@@ -105,15 +105,23 @@ static inline struct scree_two_boxes scree_two_boxes_of(const struct scree_bodie
                                     vec_sub(vec_from(a->x), vec_from(b->x)),
                                     a->radius,
                                     b->radius,
-                                    2.0 * fmin(a->limit, b->limit)};
+                                    {.factor = 1.0}};
 }
 
-/* A contact of two edges. */
-static inline struct scree_crossing scree_cross(const struct scree_bodies *bodies,
-                                                const struct scree_contact *contact) {
+/* The boxes of a contact, drawn in where they are deep. */
+static inline struct scree_two_boxes scree_deep_boxes_of(const struct scree_bodies *bodies,
+                                                         const struct scree_contact *contact) {
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    scree_draw_in(&boxes);
+    return boxes;
+}
+
+/* A contact of two edges, or of a corner with a box. */
+static inline struct scree_crossing scree_cross(const struct scree_two_boxes *boxes,
+                                                const struct scree_contact *contact, enum scree_geometry geometry) {
     int code = contact->corner - 1;
-    return scree_meet_edges(&boxes, code / SCREE_EDGES, code % SCREE_EDGES);
+    if (geometry == SCREE_BALL_BOX) return scree_meet_corner(boxes, code % 8);
+    return scree_meet_edges(boxes, code / SCREE_EDGES, code % SCREE_EDGES);
 }
 
 /* How two edges move at their crossing; they close in as fast as their overlap grows. */
