@@ -56,6 +56,19 @@ scree_status suite_rolling(struct figures *figures);
 scree_status suite_cradle(struct figures *figures);
 scree_status suite_stack(struct figures *figures);
 scree_status suite_chain(struct figures *figures);
+scree_status suite_viscoelastic(struct figures *figures);
+scree_status suite_edge(struct figures *figures);
+scree_status suite_corner(struct figures *figures);
+scree_status suite_rocking(struct figures *figures);
+scree_status suite_domino(struct figures *figures);
+scree_status suite_painleve(struct figures *figures);
+scree_status suite_stick_slip(struct figures *figures);
+scree_status suite_haff(struct figures *figures);
+scree_status suite_silo(struct figures *figures);
+scree_status suite_column(struct figures *figures);
+scree_status suite_heap(struct figures *figures);
+scree_status suite_drum(struct figures *figures);
+scree_status suite_crater(struct figures *figures);
 
 /* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,

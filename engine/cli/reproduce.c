@@ -20,7 +20,7 @@ static const char help[] =
     "if a bound is missed. Without gnuplot data and scripts are written all the same.\n"
     "\n"
     "  --suite NAME the cases of a suite that other codes are judged by, instead of the figures: mfix, chung-ooi,\n"
-    "               classics (\"all\": each of them, and the figures)\n"
+    "               classics, bulk (\"all\": each of them, and the figures)\n"
     "  -o DIR       where to write (default: figures)\n"
     "  --data DIR   folder of the scenes (default: the one this program was built or installed with)\n"
     "  --threads N  simulations at the same time (default: the number of processors)\n"
@@ -62,6 +62,19 @@ static const struct {
     {"classics", "cradle", "Newton's cradle", suite_cradle},
     {"classics", "stack", "overlaps in a stack of spheres", suite_stack},
     {"classics", "chain", "solitary wave in a chain of Hertz's contacts", suite_chain},
+    {"classics", "viscoelastic", "restitution of Kuwabara and Kono's law over the speed", suite_viscoelastic},
+    {"classics", "edge", "a box meets a plane with an edge", suite_edge},
+    {"classics", "corner", "a box meets a plane with a corner", suite_corner},
+    {"classics", "rocking", "a block rocks from edge to edge", suite_rocking},
+    {"classics", "domino", "a domino topples", suite_domino},
+    {"classics", "painleve", "Painleve's rod jams", suite_painleve},
+    {"classics", "stick-slip", "a mass on a belt sticks and slips", suite_stick_slip},
+    {"classics", "haff", "a granular gas cools down", suite_haff},
+    {"bulk", "silo", "a silo empties through a hole", suite_silo},
+    {"bulk", "column", "load of a column between walls", suite_column},
+    {"bulk", "heap", "angle of repose", suite_heap},
+    {"bulk", "drum", "a drum turns", suite_drum},
+    {"bulk", "crater", "a ball falls on a bed", suite_crater},
 };
 
 enum { FIGURES = sizeof list / sizeof list[0] };
