@@ -135,6 +135,10 @@ static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *b
     velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(c->point, apart)));
     double closing =
         -vec_dot(c->force, between) - vec_dot(c->turn_a, vec_from(ball->w)) - vec_dot(c->turn_b, vec_from(host->w));
+    /* A gradient that turns a body more than a force at its farthest point would is too steep for an explicit dashpot: what the dashpot
+     * is told of the speed is less in the square, as if its lever ended there. */
+    double lever = fmax(vec_norm(c->turn_a) / ball->bound, vec_norm(c->turn_b) / host->bound);
+    if (lever > 1.0) closing /= lever * lever;
     return (struct scree_gait){c->point, vec_axpy(velocity, -vec_dot(velocity, n), n), closing};
 }
 
