@@ -9,19 +9,24 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const char help[] = "usage: scree-bench boxes [--count N] [--seconds N] [--tower N] [--threads N]\n"
+static const char help[] = "usage: scree-bench boxes [--pairs] [--count N] [--seconds N] [--tower N] [--threads N]\n"
                            "\n"
-                           "Time of the contact stage for pairs of boxes that are pressed together: pair, contacts "
-                           "listed and touching of a pair,\n"
-                           "ns per pair, per touching contact. Then N boxes (1000) of six shapes poured into a shaft, "
-                           "for a tenth of --seconds (3):\n"
-                           "boxes, steps, ns per box and step, contacts that touch at the end, kinetic energy over the "
-                           "largest before, largest\n"
-                           "overlap over the tolerable. Then a tower of 20 boxes for --tower seconds (1): how far any "
-                           "has moved in the last half\n"
-                           "of it, over a side; kinetic energy over the tower's potential energy.\n"
+                           "--pairs: time of the contact stage for pairs of boxes that are pressed together: pair, "
+                           "contacts listed and touching of a pair,\n"
+                           "ns per pair, per touching contact.\n"
+                           "--count N: boxes of six shapes poured into a shaft, which is filled once its cells are, "
+                           "for --seconds (3) tenths of a second:\n"
+                           "boxes, steps, ns per box and step; touching contacts at the end, ns of a step per one of "
+                           "them, over the last hundredth of the run;\n"
+                           "kinetic energy over the largest before, largest overlap over the tolerable.\n"
+                           "--tower N: towers of 20 boxes for N seconds, of rounded and of sharp ones: how far "
+                           "any box has moved after the first second,\n"
+                           "over a side; kinetic energy over the tower's potential energy. Then a box on a slope of "
+                           "0.999 of the critical angle: the same,\n"
+                           "over its length; and of 1.001: its acceleration over g (sin a - mu cos a), less 1.\n"
+                           "Without any of them: all, of small sizes.\n"
                            "\n"
-                           "example: scree-bench boxes --count 10000 --tower 100\n";
+                           "example: scree-bench boxes --tower 100\n";
 
 struct text {
     char *at;
@@ -121,90 +126,159 @@ static double energy_of(scree_scene *scene) {
     return energy.kinetic + energy.rotational;
 }
 
-static void pour(int count, double seconds, int threads) {
-    const double size = 0.01, width = 0.1;
-    struct text text = begin(9.81, 5e-6, 500.0, 0.5, threads);
-    static const char *const walls[] = {"[0, 0, 0]\norientation = { axis = [1, 0, 0], degrees = 0 }",
-                                        "[-0.05, 0, 0]\norientation = { axis = [0, 1, 0], degrees = 90 }",
-                                        "[0.05, 0, 0]\norientation = { axis = [0, 1, 0], degrees = -90 }",
-                                        "[0, -0.05, 0]\norientation = { axis = [1, 0, 0], degrees = -90 }",
-                                        "[0, 0.05, 0]\norientation = { axis = [1, 0, 0], degrees = 90 }"};
+/* Walls of a shaft as wide as `width`, and its floor. */
+static void add_shaft(struct text *text, double width) {
+    static const struct {
+        double x, y;
+        const char *turn;
+    } walls[] = {{0.0, 0.0, "{ axis = [1, 0, 0], degrees = 0 }"},
+                 {-0.5, 0.0, "{ axis = [0, 1, 0], degrees = 90 }"},
+                 {0.5, 0.0, "{ axis = [0, 1, 0], degrees = -90 }"},
+                 {0.0, -0.5, "{ axis = [1, 0, 0], degrees = -90 }"},
+                 {0.0, 0.5, "{ axis = [1, 0, 0], degrees = 90 }"}};
     for (int k = 0; k < 5; k++)
-        add(&text,
+        add(text,
             "[[body]]\nname = \"wall %d\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\nposition = "
-            "%s\n",
-            k, walls[k]);
+            "[%.17g, %.17g, 0]\norientation = %s\n",
+            k, walls[k].x * width, walls[k].y * width, walls[k].turn);
+}
+
+static scree_scene *shaft_of_boxes(int count, int threads) {
+    const double size = 0.01, cell = 1.65 * size; /* as wide as the longest diagonal */
+    struct text text = begin(9.81, 1e-5, 500.0, 0.5, threads);
+    int row = (int)fmax(6.0, ceil(cbrt(2.0 * count)));
+    add_shaft(&text, row * cell);
     uint64_t seed = 1;
-    for (int k = 0; k < count; k++) { /* on a grid as wide as the longest diagonal */
-        int row = (int)(width / (1.6 * size)), shape = k % ORACLE_SHAPES;
-        double cell = width / row, edge[3];
+    for (int k = 0; k < count; k++) {
+        int shape = k % ORACLE_SHAPES;
+        double edge[3], half = 0.5 * row;
         for (int axis = 0; axis < 3; axis++) edge[axis] = size * fmax(oracle_edges[shape][axis], 0.2);
-        struct vec at = vec((k % row + 0.5) * cell - 0.5 * width, (k / row % row + 0.5) * cell - 0.5 * width,
-                            (k / row / row + 0.6) * cell);
+        struct vec at =
+            vec((k % row + 0.5 - half) * cell, (k / row % row + 0.5 - half) * cell, (k / row / row + 0.6) * cell);
         add_box(&text, k, edge, 0.05 * size, at, oracle_attitude(&seed), "velocity = [0, 0, -0.5]");
     }
-    scree_scene *scene = scene_of(&text);
-    long steps = (long)(seconds / scree_scene_step_length(scene)), done = 0;
-    double most = 0.0, start = bench_now();
+    return scene_of(&text);
+}
+
+static void pour(int count, double seconds, int threads) {
+    scree_scene *scene = shaft_of_boxes(count, threads);
+    long steps = lround(seconds / scree_scene_step_length(scene)), done = 0, last = steps - steps / 100;
+    double most = 0.0, start = bench_now(), late = start;
     while (done < steps) {
+        if (done < last && done + 100 >= last) late = bench_now();
         bench_step(scene, 100);
         done += 100;
-        most = fmax(most, energy_of(scene));
+        if (done % 1000 == 0) most = fmax(most, energy_of(scene));
     }
-    double ns = (bench_now() - start) * 1e9 / ((double)done * count);
+    double end = bench_now(), ns = (end - start) * 1e9 / ((double)done * count);
     int touching = 0;
     scree_scene_contacts(scene, NULL, 0, &touching);
-    printf("%d,%ld,%.0f,%d,%.3g,%.3g\n", count, done, ns, touching, energy_of(scene) / most,
+    printf("%d,%ld,%.0f,%d,%.0f,%.3g,%.3g\n", count, done, ns, touching,
+           (end - late) * 1e9 / ((double)(steps - last) * touching), energy_of(scene) / most,
            scree_scene_deepest(scene, NULL, NULL));
     scree_scene_destroy(scene);
 }
 
-/* ---- a tower ---- */
+/* ---- what stands ---- */
 
-static void build_tower(double seconds) {
+enum { MOST_BODIES = 32 };
+
+/* How far any body moves during `steps`. */
+static double way_of(scree_scene *scene, int bodies, long steps) {
+    struct vec before[MOST_BODIES];
+    double most = 0.0;
+    for (int k = 0; k < bodies; k++) before[k] = vec_from(scree_scene_body(scene, k).position);
+    bench_step(scene, steps);
+    for (int k = 0; k < bodies; k++)
+        most = fmax(most, vec_norm(vec_sub(vec_from(scree_scene_body(scene, k).position), before[k])));
+    return most;
+}
+
+static const struct {
+    const char *name;
+    double rounding; /* m */
+} towers[] = {{"tower", 0.005}, {"tower of sharp boxes", 0.0}};
+
+static void build_tower(int kind, double seconds) {
     enum { HEIGHT = 20 };
     const double edge[3] = {0.1, 0.1, 0.1};
     struct text text = begin(9.81, 2e-5, 1e6, 0.2, 1);
-    struct vec before[HEIGHT + 1];
-    double most = 0.0;
+    double potential = 0.0;
     add(&text, "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n");
     for (int k = 0; k < HEIGHT; k++)
-        add_box(&text, k, edge, 0.005, vec(0.0, 0.0, 0.05 + 0.1 * k), (struct quat){1.0, 0.0, 0.0, 0.0}, "");
+        add_box(&text, k, edge, towers[kind].rounding, vec(0.0, 0.0, 0.05 + 0.1 * k), (struct quat){1.0, 0.0, 0.0, 0.0},
+                "");
     scree_scene *scene = scene_of(&text);
-    long half = (long)(0.5 * seconds / scree_scene_step_length(scene));
-    bench_step(scene, half);
-    for (int k = 0; k <= HEIGHT; k++) before[k] = vec_from(scree_scene_body(scene, k).position);
-    bench_step(scene, half);
-    double potential = 0.0;
-    for (int k = 1; k <= HEIGHT; k++) {
-        struct vec now = vec_from(scree_scene_body(scene, k).position);
-        most = fmax(most, vec_norm(vec_sub(now, before[k])) / edge[0]);
-        potential += 9.81 * scree_scene_body_mass(scene, k) * now.z;
-    }
-    printf("%g,%.3g,%.3g\n", seconds, most, energy_of(scene) / potential);
+    long second = lround(1.0 / scree_scene_step_length(scene));
+    bench_step(scene, second);
+    double most = way_of(scene, HEIGHT + 1, (long)((seconds - 1.0) * (double)second));
+    for (int k = 1; k <= HEIGHT; k++)
+        potential += 9.81 * scree_scene_body_mass(scene, k) * scree_scene_body(scene, k).position[2];
+    printf("%s,%g,%.3g,%.3g\n", towers[kind].name, seconds, most / edge[0], energy_of(scene) / potential);
+    fflush(stdout);
     scree_scene_destroy(scene);
+}
+
+/* A box on a slope of another box, by a factor of the critical angle. */
+static void lay_on_slope(double factor, double seconds) {
+    const double slope[3] = {4.0, 0.5, 0.1}, block[3] = {0.2, 0.2, 0.04};
+    double angle = factor * atan(0.5);
+    struct quat level = {1.0, 0.0, 0.0, 0.0};
+    struct text text = {.at = calloc(65536, 1), .size = 65536};
+    if (!text.at) exit(EXIT_MISSED);
+    add(&text,
+        "gravity = [%.17g, 0, %.17g]\n[time]\nend = 1000.0\nstep = 2e-5\n[[material]]\nname = \"m\"\n"
+        "density = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear-cut\", stiffness = 1e6, "
+        "restitution = 0.2 }\nfriction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e5, damping = "
+        "200 }\n",
+        9.81 * sin(angle), -9.81 * cos(angle));
+    add_box(&text, 0, slope, 0.004, vec(1.5, 0.0, -0.05), level, "joint = \"fixed\"");
+    add_box(&text, 1, block, 0.004, vec(0.0, 0.0, 0.02), level, "");
+    scree_scene *scene = scene_of(&text);
+    long second = lround(1.0 / scree_scene_step_length(scene));
+    bench_step(scene, 3 * second); /* the start pushes it off, and it slows down by 5 mm/s^2 only */
+    if (factor < 1.0) {
+        double way = way_of(scene, 2, (long)((seconds - 3.0) * (double)second));
+        printf("slope of %g,%g,%.3g,%.3g\n", factor, seconds, way / block[0], energy_of(scene));
+    } else {
+        double before = scree_scene_body(scene, 1).velocity[0];
+        bench_step(scene, 5 * second);
+        double along = (scree_scene_body(scene, 1).velocity[0] - before) / 5.0;
+        printf("slope of %g,8,%.3g,\n", factor, along / (9.81 * (sin(angle) - 0.5 * cos(angle))) - 1.0);
+    }
+    scree_scene_destroy(scene);
+}
+
+static void stand(double seconds) {
+    printf("standing,seconds,moved,kinetic\n");
+    for (int kind = 0; kind < (int)(sizeof towers / sizeof towers[0]); kind++) build_tower(kind, seconds);
+    lay_on_slope(0.999, seconds);
+    lay_on_slope(1.001, seconds);
 }
 
 int bench_boxes(int count, char **words) {
     const char *boxes = NULL, *seconds = NULL, *tower = NULL, *threads = NULL;
-    const struct cli_option options[] = {{.name = "--count", .value = &boxes},
-                                         {.name = "--seconds", .value = &seconds},
-                                         {.name = "--tower", .value = &tower},
-                                         {.name = "--threads", .value = &threads},
-                                         {0}};
+    int only_pairs = 0;
+    const struct cli_option options[] = {{.name = "--pairs", .flag = &only_pairs}, {.name = "--count", .value = &boxes},
+                                         {.name = "--seconds", .value = &seconds}, {.name = "--tower", .value = &tower},
+                                         {.name = "--threads", .value = &threads}, {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
+    int all = !only_pairs && !boxes && !tower;
     int box_count = boxes ? cli_whole_number(boxes, "--count", 10000000) : 1000;
     int tenths = seconds ? cli_whole_number(seconds, "--seconds", 100000) : 3;
-    int stand = tower ? cli_whole_number(tower, "--tower", 100000) : 1;
+    int last = tower ? cli_whole_number(tower, "--tower", 100000) : 4;
     int team = threads ? cli_whole_number(threads, "--threads", 1024) : 1;
-    if (!box_count || !tenths || !stand || !team) return EXIT_USAGE;
+    if (!box_count || !tenths || !last || !team) return EXIT_USAGE;
     bench_describe_machine();
-    printf("pair,listed,touching,pair_ns,contact_ns\n");
-    for (int kind = 0; kind < (int)(sizeof pairs / sizeof pairs[0]); kind++) time_pairs(kind);
-    printf("boxes_poured,steps,box_step_ns,touching,kinetic,deepest\n");
-    pour(box_count, 0.1 * tenths, team);
-    printf("tower_s,moved,kinetic\n");
-    build_tower(stand);
+    if (all || only_pairs) {
+        printf("pair,listed,touching,pair_ns,contact_ns\n");
+        for (int kind = 0; kind < (int)(sizeof pairs / sizeof pairs[0]); kind++) time_pairs(kind);
+    }
+    if (all || boxes) {
+        printf("boxes_poured,steps,box_step_ns,touching,contact_ns,kinetic,deepest\n");
+        pour(box_count, 0.1 * tenths, team);
+    }
+    if (all || tower) stand(fmax(last, 4.0));
     return EXIT_GOOD;
 }

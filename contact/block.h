@@ -6,6 +6,8 @@
 #include "bodies/balls.h"
 #include "contact/meet.h"
 
+#include <string.h>
+
 /* Contacts that one instruction takes: passes run over full vectors. */
 #ifdef __AVX512F__
 enum { WIDTH = 8 };
@@ -307,9 +309,10 @@ static void gather_nothing(struct block *b, int lane, struct lean *lean) {
     put(lean->turn_host, lane, zero);
 }
 
-static void gather_crossing(const struct scree_bodies *bodies, const struct scree_contact *contact, struct block *b,
+static void gather_crossing(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                            const struct scree_two_boxes *boxes, enum scree_geometry geometry, struct block *b,
                             int lane, struct lean *lean) {
-    struct scree_crossing c = scree_cross(bodies, contact);
+    struct scree_crossing c = scree_cross(boxes, contact, geometry);
     struct scree_gait gait = scree_gait_on_edges(bodies, contact, &c);
     struct vec n = c.meeting.normal, host_arm = vec_add(c.point, get(b->shift, lane));
     put(b->n, lane, n);
@@ -346,14 +349,35 @@ static int gather_crossings(const struct scree_bodies *bodies, const struct scre
     struct ends ends;
     find_ends(bodies, contact + start, count, &ends);
     fetch(&ends, count, b);
+    struct scree_two_boxes boxes = {.a = NULL};
     for (int lane = 0, own = 0; lane < padded(count); lane++) {
-        if (own + 1 < runs && start + lane == run[own + 1].start) own++;
-        if (lane < count && may[own])
-            gather_crossing(bodies, &contact[start + lane], b, lane, lean);
-        else
+        int begins = lane == 0;
+        if (own + 1 < runs && start + lane == run[own + 1].start) own += begins = 1;
+        if (lane < count && may[own]) {
+            if (begins) boxes = scree_deep_boxes_of(bodies, &contact[start + lane]);
+            gather_crossing(bodies, &contact[start + lane], &boxes, SCREE_EDGE_EDGE, b, lane, lean);
+        } else
             gather_nothing(b, lane, lean);
     }
     return 1;
+}
+
+/* Corners on boxes, of boxes that are deeper in each other than their roundings: they lean as well. Returns whether there are any. */
+static int deepen_corners(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                          struct block *b, struct lean *lean) {
+    struct scree_two_boxes boxes = {.a = NULL};
+    int any = 0;
+    for (int lane = 0; lane < count; lane++) {
+        const struct scree_contact *one = &contact[lane];
+        if (one->corner == 0) continue; /* a sphere */
+        int same = lane > 0 && one->ball == one[-1].ball && one->host == one[-1].host;
+        if (!same) boxes = scree_deep_boxes_of(bodies, one);
+        if (!(boxes.inset.by > 0.0)) continue;
+        if (!any) memset(lean, 0, sizeof *lean);
+        any = 1;
+        gather_crossing(bodies, one, &boxes, SCREE_BALL_BOX, b, lane, lean);
+    }
+    return any;
 }
 
 #endif

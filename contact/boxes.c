@@ -3,16 +3,22 @@
 
 /* ---- depth ---- */
 
-/* By the directions that could separate them: Gottschalk, Lin & Manocha 1996. */
+/* The directions that could separate two cores (Gottschalk, Lin & Manocha 1996): faces of a, of b, an edge of each. Not unit. */
+enum { DIRECTIONS = 15 };
+
+static struct vec direction_of(const struct mat *a, const struct mat *b, int k) {
+    return k < 3 ? a->column[k] : k < 6 ? b->column[k - 3] : vec_cross(a->column[(k - 6) / 3], b->column[(k - 6) % 3]);
+}
+
+static const double parallel = 1e-6; /* edges: the faces say it all */
+
 double scree_cores_depth(struct vec apart, const struct scree_attitude *a, const struct mat *frame,
                          const double half[3]) {
     double least = HUGE_VAL;
-    for (int k = 0; k < 15 && least > 0.0; k++) {
-        struct vec direction = k < 3   ? a->frame.column[k]
-                               : k < 6 ? frame->column[k - 3]
-                                       : vec_cross(a->frame.column[(k - 6) / 3], frame->column[(k - 6) % 3]);
+    for (int k = 0; k < DIRECTIONS && least > 0.0; k++) {
+        struct vec direction = direction_of(&a->frame, frame, k);
         double size = vec_norm(direction);
-        if (size < 1e-6) continue; /* parallel edges: the faces say it all */
+        if (size < parallel) continue;
         double depth = scree_box_reach(direction, a) + scree_core_reach(direction, frame, half);
         least = fmin(least, (depth - fabs(vec_dot(direction, apart))) / size);
     }
@@ -83,13 +89,14 @@ struct edge {
     double half;
 };
 
-static struct edge edge_of(const struct scree_attitude *box, int edge) {
+/* Edge 0 … 11 of a core that is drawn in. */
+static struct edge edge_of(const struct scree_attitude *box, int edge, double inset) {
     int axis = edge / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
     struct vec first = box->frame.column[u], second = box->frame.column[v];
     if (!(edge & 1)) first = vec_scale(-1.0, first);
     if (!(edge & 2)) second = vec_scale(-1.0, second);
-    return (struct edge){vec_axpy(vec_scale(box->half[u], first), box->half[v], second), box->frame.column[axis],
-                         vec_add(first, second), box->half[axis]};
+    return (struct edge){vec_axpy(vec_scale(box->half[u] - inset, first), box->half[v] - inset, second),
+                         box->frame.column[axis], vec_add(first, second), box->half[axis] - inset};
 }
 
 /* The crossing of two lines: parameters of the nearest points, from the middles; normal from b to a; distance. */
@@ -115,7 +122,7 @@ static int lines_cross(const struct edge *a, const struct edge *b, struct vec fr
 
 /* Distance of two edges, ends included (Ericson, Real-Time Collision Detection, 2005, section 5.1.9). */
 double scree_edges_apart(const struct scree_two_boxes *boxes, int ea, int eb) {
-    struct edge a = edge_of(boxes->a, ea), b = edge_of(boxes->b, eb);
+    struct edge a = edge_of(boxes->a, ea, 0.0), b = edge_of(boxes->b, eb, 0.0);
     struct vec r = vec_sub(vec_add(boxes->apart, a.middle), b.middle);
     double same = vec_dot(a.along, b.along), along_a = vec_dot(r, a.along), along_b = vec_dot(r, b.along);
     double square = 1.0 - same * same, s = square > 1e-12 ? (same * along_b - along_a) / square : 0.0;
@@ -125,50 +132,190 @@ double scree_edges_apart(const struct scree_two_boxes *boxes, int ea, int eb) {
     return vec_norm(vec_axpy(vec_axpy(r, s, a.along), -t, b.along));
 }
 
-/* How far a point, seen from the centre of a box, is inside of its core; negative: beyond a face. */
-static double depth_in(const struct scree_attitude *box, struct vec point) {
-    struct vec p = mat_undo(&box->frame, point);
-    return fmin(fmin(box->half[0] - fabs(p.x), box->half[1] - fabs(p.y)), box->half[2] - fabs(p.z));
-}
+/* ---- boxes deeper in each other than their roundings ---- */
 
-/* Overlap of edges that have passed through each other, and by which factor it counts (*share): all of it while both nearest points
- * are in the other box, less where they leave it sideways, as at faces that tilt on each other, and less close to the ends of edges,
- * where corners are inside; never more than what takes the boxes apart. */
-static double passed_through(const struct scree_two_boxes *boxes, const struct edge *a, const struct edge *b,
-                             const struct lines *lines, double *share) {
-    double d = lines->distance;
-    if (d > boxes->deepest || d == 0.0) return -d;
-    struct vec point_a = vec_add(boxes->apart, vec_axpy(a->middle, lines->on_a, a->along));
-    struct vec point_b = vec_sub(vec_axpy(b->middle, lines->on_b, b->along), boxes->apart);
-    double inside = fmin(depth_in(boxes->b, point_a), depth_in(boxes->a, point_b)) / d;
-    double left = fmin(a->half - fabs(lines->on_a), b->half - fabs(lines->on_b)) / d;
-    double at_end = fmin(left, 1.0);
-    *share = at_end * at_end * (3.0 - 2.0 * at_end);
-    double deep = d * fmin(1.2 + 2.0 * inside, 1.0);
-    double least = deep > -d ? scree_cores_depth(boxes->apart, boxes->a, &boxes->b->frame, boxes->b->half) : 0.0;
-    return least > 0.0 ? fmin(deep, least) : -d;
-}
+/* Six tenths: the cores are then apart whatever their attitudes (0.5 would do, since one that is drawn in by s reaches less far by s at
+ * least along any direction), and what is left of the boxes touches (up to 1/(2 (sqrt(3) - 1)) = 0.68, since with its rounding it reaches
+ * less far by (sqrt(3) - 1) s at most). */
+static const double inset_per_depth = 0.6;
 
-/* A corner at the end of an edge: its overlap, where it is pushed, and by how much q falls per metre that it gets deeper. */
-struct end {
-    struct vec push, point; /* on a; from the centre of a */
-    double ratio, overlap;
+/* What two boxes are along a direction that could separate them. */
+struct way {
+    int axis;
+    double size;       /* of the product of two edges */
+    struct vec normal; /* unit, from b to a */
+    double depth;      /* of the cores */
+    double recess;     /* by how much less far both cores reach per metre that they are drawn in */
 };
 
-static struct end corner_of_a(const struct scree_two_boxes *boxes, const struct edge *edge, double way) {
-    struct vec corner = vec_axpy(edge->middle, way, edge->along);
-    struct scree_whole whole = {boxes->apart, boxes->a};
-    struct scree_meeting m = scree_meet_box(vec_add(boxes->apart, corner), boxes->rounding_a, whole, vec(0.0, 0.0, 0.0),
-                                            &boxes->b->frame, boxes->b->half, boxes->rounding_b);
-    return (struct end){m.normal, corner, 0.0, m.overlap};
+/* |x|, without a kink at 0: so that faces on each other, whatever the rounding of their normals, lie still. */
+static double smooth_size(double x) {
+    double size = fabs(x), t = fmin(50.0 * size, 1.0);
+    return size * t * (2.0 - t);
 }
 
-static struct end corner_of_b(const struct scree_two_boxes *boxes, const struct edge *edge, double way) {
-    struct vec corner = vec_axpy(edge->middle, way, edge->along);
+static double smooth_slope(double x) {
+    double t = fmin(50.0 * fabs(x), 1.0);
+    return copysign(t * (4.0 - 3.0 * t), x);
+}
+
+/* What the depth of boxes that are drawn in counts for along the product of two edges, per metre of depth, if these are at a small angle
+ * (sine `size`): such directions turn fast, and beyond a tenth never are the least. */
+static double aside_of(const struct way *way) {
+    double t = way->axis < 6 ? 0.0 : fmax(0.2 / way->size - 1.0, 0.0);
+    return t * t;
+}
+
+/* Returns 0 for edges that are parallel. */
+static int look_along(const struct scree_two_boxes *boxes, int axis, struct way *way) {
+    const struct scree_attitude *a = boxes->a, *b = boxes->b;
+    struct vec direction = direction_of(&a->frame, &b->frame, axis);
+    double size = vec_norm(direction);
+    if (size < parallel) return 0;
+    double along = vec_dot(direction, boxes->apart);
+    struct vec n = vec_scale((along < 0.0 ? -1.0 : 1.0) / size, direction);
+    double depth = (scree_box_reach(direction, a) + scree_box_reach(direction, b) - fabs(along)) / size, recess = 0.0;
+    for (int k = 0; k < 3; k++)
+        recess += smooth_size(vec_dot(n, a->frame.column[k])) + smooth_size(vec_dot(n, b->frame.column[k]));
+    *way = (struct way){axis, size, n, depth, recess};
+    return 1;
+}
+
+static struct scree_push push_at(struct vec apart, struct vec force, struct vec point) {
+    return (struct scree_push){force, vec_cross(point, force),
+                               vec_scale(-1.0, vec_cross(vec_add(point, apart), force))};
+}
+
+static struct scree_push push_axpy(struct scree_push p, double s, struct scree_push q) {
+    return (struct scree_push){vec_axpy(p.force, s, q.force), vec_axpy(p.turn_a, s, q.turn_a),
+                               vec_axpy(p.turn_b, s, q.turn_b)};
+}
+
+static struct scree_push push_scale(double s, struct scree_push p) {
+    return (struct scree_push){vec_scale(s, p.force), vec_scale(s, p.turn_a), vec_scale(s, p.turn_b)};
+}
+
+/* The point of a core, from its centre, that is farthest along a direction. */
+static struct vec farthest(const struct scree_attitude *box, struct vec direction) {
+    struct vec p = {0.0, 0.0, 0.0};
+    for (int k = 0; k < 3; k++)
+        p = vec_axpy(p, copysign(box->half[k], vec_dot(direction, box->frame.column[k])), box->frame.column[k]);
+    return p;
+}
+
+/* Gradient of the depth along a direction: a unit force on the deepest corner of a, or of b, or where two edges cross. */
+static struct scree_push push_of_depth(const struct scree_two_boxes *boxes, const struct way *way) {
+    const struct scree_attitude *a = boxes->a, *b = boxes->b;
+    struct vec n = way->normal, on_a = farthest(a, vec_scale(-1.0, n)), on_b = farthest(b, n);
+    if (way->axis < 3) on_a = vec_sub(on_b, boxes->apart);
+    if (way->axis >= 6) {
+        struct vec along_a = a->frame.column[(way->axis - 6) / 3], along_b = b->frame.column[(way->axis - 6) % 3];
+        struct vec across = vec_cross(along_a, along_b), r = vec_sub(vec_add(boxes->apart, on_a), on_b);
+        on_a = vec_axpy(on_a, vec_dot(vec_cross(along_b, r), across) / vec_norm2(across), along_a);
+    }
+    return push_at(boxes->apart, n, on_a);
+}
+
+/* Gradient of the recess, which changes as the boxes turn, and the direction with them. */
+static struct scree_push push_of_recess(const struct scree_two_boxes *boxes, const struct way *way) {
+    const struct mat *a = &boxes->a->frame, *b = &boxes->b->frame;
+    struct vec n = way->normal, zero = {0.0, 0.0, 0.0}, of_a = zero, of_b = zero;
+    for (int k = 0; k < 3; k++) {
+        of_a = vec_axpy(of_a, smooth_slope(vec_dot(n, a->column[k])), a->column[k]);
+        of_b = vec_axpy(of_b, smooth_slope(vec_dot(n, b->column[k])), b->column[k]);
+    }
+    struct vec turn_a = vec_cross(n, of_a), turn_b = vec_cross(n, of_b), all = vec_add(of_a, of_b);
+    if (way->axis < 3) turn_a = vec_sub(turn_a, vec_cross(n, all));
+    if (way->axis >= 3 && way->axis < 6) turn_b = vec_sub(turn_b, vec_cross(n, all));
+    if (way->axis >= 6) {
+        struct vec u = a->column[(way->axis - 6) / 3], v = b->column[(way->axis - 6) % 3];
+        double side = vec_dot(vec_cross(u, v), n) < 0.0 ? -1.0 : 1.0;
+        struct vec flat = vec_scale(side / way->size, vec_axpy(all, -vec_dot(all, n), n));
+        turn_a = vec_sub(turn_a, vec_cross(u, vec_cross(v, flat)));
+        turn_b = vec_sub(turn_b, vec_cross(v, vec_cross(flat, u)));
+    }
+    return (struct scree_push){zero, turn_a, turn_b};
+}
+
+/* Gradient of aside_of. */
+static struct scree_push push_of_aside(const struct scree_two_boxes *boxes, const struct way *way) {
+    struct vec zero = {0.0, 0.0, 0.0};
+    if (!(aside_of(way) > 0.0)) return (struct scree_push){zero, zero, zero};
+    struct vec u = boxes->a->frame.column[(way->axis - 6) / 3], v = boxes->b->frame.column[(way->axis - 6) % 3];
+    struct vec across = vec_scale(1.0 / way->size, vec_cross(u, v));
+    double rate = 2.0 * (0.2 / way->size - 1.0) * 0.2 / (way->size * way->size);
+    return (struct scree_push){zero, vec_scale(rate, vec_cross(u, vec_cross(v, across))),
+                               vec_scale(rate, vec_cross(v, vec_cross(across, u)))};
+}
+
+static double depth_left(const struct way *way, double depth) {
+    return way->depth + depth * (aside_of(way) - inset_per_depth * (way->recess - 2.0));
+}
+
+void scree_draw_in(struct scree_two_boxes *boxes) {
+    struct way way[DIRECTIONS];
+    int ways = 0, least = 0, left = 0;
+    boxes->inset = (struct scree_inset){.factor = 1.0};
+    for (int k = 0; k < DIRECTIONS; k++) {
+        if (!look_along(boxes, k, &way[ways])) continue;
+        if (!(way[ways].depth > 0.0)) return;
+        if (way[ways].depth < way[least].depth) least = ways;
+        ways++;
+    }
+    /* The depth of what they are drawn in to, roundings included. */
+    double roundings = boxes->rounding_a + boxes->rounding_b, depth = way[least].depth, by = inset_per_depth * depth;
+    for (int k = 1; k < ways; k++)
+        if (depth_left(&way[k], depth) < depth_left(&way[left], depth)) left = k;
+    double rest = roundings + depth_left(&way[left], depth), factor = (roundings + depth) / rest;
+    struct scree_push deeper = push_of_depth(boxes, &way[least]), less = push_of_depth(boxes, &way[left]);
+    less = push_axpy(less, aside_of(&way[left]) - inset_per_depth * (way[left].recess - 2.0), deeper);
+    less = push_axpy(less, depth, push_of_aside(boxes, &way[left]));
+    less = push_axpy(less, -by, push_of_recess(boxes, &way[left]));
+    boxes->inset = (struct scree_inset){by, factor, push_scale(inset_per_depth, deeper),
+                                        push_scale(1.0 / rest, push_axpy(deeper, -factor, less))};
+}
+
+/* A corner at the end of an edge, or alone: its overlap, where it is pushed, by how much the overlap grows per metre that both cores are
+ * drawn in, and by how much q falls per metre that it gets deeper. */
+struct end {
+    struct vec push, point; /* on a; from the centre of a */
+    double overlap, slope, ratio;
+};
+
+/* The corner at `centre`, whose faces look `outward` (their normals' sum), of a core that is drawn in, and the other core at `origin`. */
+static struct scree_meeting meet_drawn_in(struct vec centre, struct vec outward, double rounding,
+                                          struct scree_whole whole, struct vec origin,
+                                          const struct scree_attitude *host, double other, double inset,
+                                          double *slope) {
+    double half[3];
+    for (int k = 0; k < 3; k++) half[k] = host->half[k] - inset;
+    struct scree_meeting m = scree_meet_box(centre, rounding + inset, whole, origin, &host->frame, half, other + inset);
+    *slope = 2.0 + vec_dot(m.normal, outward);
+    for (int k = 0; k < 3; k++) *slope -= fabs(vec_dot(m.normal, host->frame.column[k]));
+    return m;
+}
+
+static struct end corner_of_a(const struct scree_two_boxes *boxes, struct vec corner, struct vec outward) {
+    double slope;
+    struct scree_whole whole = {boxes->apart, boxes->a};
+    struct scree_meeting m = meet_drawn_in(vec_add(boxes->apart, corner), outward, boxes->rounding_a, whole,
+                                           vec(0.0, 0.0, 0.0), boxes->b, boxes->rounding_b, boxes->inset.by, &slope);
+    return (struct end){m.normal, corner, m.overlap, slope, 0.0};
+}
+
+static struct end corner_of_b(const struct scree_two_boxes *boxes, struct vec corner, struct vec outward) {
+    double slope;
     struct scree_whole whole = {vec(0.0, 0.0, 0.0), boxes->b};
-    struct scree_meeting m = scree_meet_box(corner, boxes->rounding_b, whole, boxes->apart, &boxes->a->frame,
-                                            boxes->a->half, boxes->rounding_a);
-    return (struct end){vec_scale(-1.0, m.normal), vec_sub(corner, boxes->apart), 0.0, m.overlap};
+    struct scree_meeting m = meet_drawn_in(corner, outward, boxes->rounding_b, whole, boxes->apart, boxes->a,
+                                           boxes->rounding_a, boxes->inset.by, &slope);
+    return (struct end){vec_scale(-1.0, m.normal), vec_sub(corner, boxes->apart), m.overlap, slope, 0.0};
+}
+
+/* End 0 or 1 of an edge. */
+static struct end end_of(const struct scree_two_boxes *boxes, const struct edge *edge, int of_b, int second) {
+    struct vec corner = vec_axpy(edge->middle, second ? edge->half : -edge->half, edge->along);
+    struct vec outward = vec_axpy(edge->outward, second ? 1.0 : -1.0, edge->along);
+    return of_b ? corner_of_b(boxes, corner, outward) : corner_of_a(boxes, corner, outward);
 }
 
 /* Add what `push` (on a) at `point` (from the centre of a) does. */
@@ -178,10 +325,40 @@ static void push(struct scree_crossing *c, struct vec apart, struct vec push, st
     c->turn_b = vec_sub(c->turn_b, vec_cross(vec_add(point, apart), push));
 }
 
-/* q and its derivatives from the overlap d and the corners at the four ends. */
-static void share_with_ends(const struct scree_two_boxes *boxes, const struct end end[4], double d, double share,
+/* q grows by `slope` per metre that the cores are drawn in, which they are the farther, the deeper the boxes; and counts by a factor. */
+static void count_inset(struct scree_crossing *c, const struct scree_two_boxes *boxes, double slope) {
+    const struct scree_inset *inset = &boxes->inset;
+    if (!(inset->by > 0.0)) return;
+    struct scree_push p = push_axpy((struct scree_push){c->force, c->turn_a, c->turn_b}, slope, inset->deeper);
+    p = push_axpy(push_scale(inset->factor, p), c->meeting.overlap, inset->larger);
+    c->meeting.overlap *= inset->factor;
+    c->force = p.force;
+    c->turn_a = p.turn_a;
+    c->turn_b = p.turn_b;
+}
+
+struct scree_crossing scree_meet_corner(const struct scree_two_boxes *boxes, int corner) {
+    struct vec zero = {0.0, 0.0, 0.0}, p = zero, outward = zero;
+    for (int k = 0; k < 3; k++) {
+        double side = corner >> k & 1 ? 1.0 : -1.0;
+        p = vec_axpy(p, side * (boxes->a->half[k] - boxes->inset.by), boxes->a->frame.column[k]);
+        outward = vec_axpy(outward, side, boxes->a->frame.column[k]);
+    }
+    struct end end = corner_of_a(boxes, p, outward);
+    struct scree_crossing c = {{end.push, end.overlap}, zero, zero, zero, zero};
+    c.point = vec_axpy(p, 0.5 * end.overlap - boxes->rounding_a - boxes->inset.by, end.push);
+    push(&c, boxes->apart, end.push, c.point);
+    count_inset(&c, boxes, end.slope);
+    return c;
+}
+
+/* ---- edge on edge ---- */
+
+/* q and its derivatives from the overlap d, which grows by `slope` per metre that the cores are drawn in, and the corners at the four
+ * ends. */
+static void share_with_ends(const struct scree_two_boxes *boxes, const struct end end[4], double d, double slope,
                             struct scree_crossing *c) {
-    double left = share, steeper = 1.0;
+    double left = 1.0, steeper = 1.0;
     for (int k = 0; k < 4; k++) {
         double square = end[k].ratio * end[k].ratio;
         left *= 1.0 - square;
@@ -189,42 +366,38 @@ static void share_with_ends(const struct scree_two_boxes *boxes, const struct en
     }
     c->meeting.overlap = d * left;
     push(c, boxes->apart, vec_scale(left * steeper, c->meeting.normal), c->point);
+    slope *= left * steeper;
     for (int k = 0; k < 4; k++) {
         if (end[k].ratio == 0.0) continue;
         double less = -2.0 * end[k].ratio * left / (1.0 - end[k].ratio * end[k].ratio);
         push(c, boxes->apart, vec_scale(less, end[k].push), end[k].point);
+        slope += less * end[k].slope;
     }
+    count_inset(c, boxes, slope);
 }
 
 /* Edge `ea` of a on edge `eb` of b. */
 struct scree_crossing scree_meet_edges(const struct scree_two_boxes *boxes, int ea, int eb) {
-    struct edge a = edge_of(boxes->a, ea), b = edge_of(boxes->b, eb);
+    double inset = boxes->inset.by;
+    struct edge a = edge_of(boxes->a, ea, inset), b = edge_of(boxes->b, eb, inset);
     struct vec zero = {0.0, 0.0, 0.0};
     struct scree_crossing c = {{vec(0.0, 0.0, 1.0), SCREE_OUTSIDE}, zero, zero, zero, zero};
     struct lines lines;
     if (!lines_cross(&a, &b, vec_sub(vec_add(boxes->apart, a.middle), b.middle), &lines)) return c;
-    double d = boxes->rounding_a + boxes->rounding_b - lines.distance, share = 1.0;
-    c.meeting.normal = lines.normal;
-    /* Where each edge's inside faces the other one, they may have passed through each other. */
-    if (vec_dot(lines.normal, a.outward) > 0.0 && vec_dot(lines.normal, b.outward) < 0.0) {
-        double passed = passed_through(boxes, &a, &b, &lines, &share);
-        if (passed > -lines.distance) c.meeting.normal = vec_scale(-1.0, lines.normal);
-        d += lines.distance + passed;
-    }
-    c.meeting.overlap = fmin(d, 0.0);
-    c.point = vec_axpy(vec_axpy(a.middle, lines.on_a, a.along), 0.5 * d - boxes->rounding_a, c.meeting.normal);
+    double rounding_a = boxes->rounding_a + inset, d = rounding_a + (boxes->rounding_b + inset) - lines.distance;
+    c.meeting = (struct scree_meeting){lines.normal, fmin(d, 0.0)};
+    c.point = vec_axpy(vec_axpy(a.middle, lines.on_a, a.along), 0.5 * d - rounding_a, c.meeting.normal);
     if (!(d > 0.0)) {
         push(&c, boxes->apart, c.meeting.normal, c.point);
         return c;
     }
     struct end end[4];
     for (int k = 0; k < 4; k++) {
-        end[k] =
-            k < 2 ? corner_of_a(boxes, &a, k ? a.half : -a.half) : corner_of_b(boxes, &b, k == 3 ? b.half : -b.half);
+        end[k] = end_of(boxes, k < 2 ? &a : &b, k >= 2, k & 1);
         end[k].ratio = end[k].overlap > 0.0 ? end[k].overlap / d : 0.0;
         if (end[k].ratio >= 1.0) return c; /* and the overlap is 0 */
     }
-    share_with_ends(boxes, end, d, share, &c);
+    share_with_ends(boxes, end, d, 2.0 + vec_dot(c.meeting.normal, vec_sub(a.outward, b.outward)), &c);
     return c;
 }
 

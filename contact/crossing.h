@@ -12,30 +12,51 @@
  * those corners alone, faces without by their crossings. As distances are differentiable functions of the pose, so is q: the
  * contact pushes along all the pushes that q consists of (`force`, `turn_a`, `turn_b`), and an elastic law has a potential.
  *
- * Edges that have passed through each other (sharp boxes, or deeper than R) have a negative distance, as long as their nearest
- * points lie inside the other box. There q isn't the whole potential: it fades towards the ends of edges, too. */
+ * Boxes deeper in each other than R (sharp ones at once) are taken for more rounded than they are: both cores are drawn in by
+ * s = 0.6 x the depth D of the cores, and both roundings grow by as much. They lie within the boxes, so nothing touches that doesn't; their
+ * cores are apart, so all of the above holds; and they touch while D > 0 (boxes.c). But they are less deep in each other than
+ * the boxes themselves where these touch with edges and corners, which have become rounder, by (R + P)/(R + D) with their own depth P:
+ * so the law sees q (R + D)/(R + P), which is the boxes' whole depth where one edge, or one corner, bears all. D and P are continuous, the
+ * least of what boxes overlap along the directions that could separate them, so q is, and the contact pushes as its gradient says. */
 #ifndef SCREE_CONTACT_CROSSING_H
 #define SCREE_CONTACT_CROSSING_H
 
 #include "contact/geometry.h"
+
+/* A gradient, by how the boxes move against it: force on a (the opposite on b), torques about their centres. */
+struct scree_push {
+    struct vec force, turn_a, turn_b;
+};
+
+/* How far both cores are drawn in, m, and the factor of their overlaps; both with their gradients. */
+struct scree_inset {
+    double by, factor;
+    struct scree_push deeper, larger;
+};
 
 /* Two boxes, seen from the centre of b. */
 struct scree_two_boxes {
     const struct scree_attitude *a, *b;
     struct vec apart; /* from the centre of b to that of a, m */
     double rounding_a, rounding_b;
-    double deepest; /* edges that have passed through each other farther than this don't meet, m */
+    struct scree_inset inset;
 };
 
 enum { SCREE_EDGES = 12 }; /* 4 along each axis; bits of the rest: the signs along the two axes that follow it */
 
-/* Where two edges meet, seen from a: unit normal towards a, overlap q (not positive: they don't touch; 0 where a corner is as deep),
+/* Draw the cores in as far as they are deep in each other; before, and where they aren't, the inset is 0. */
+void scree_draw_in(struct scree_two_boxes *boxes);
+
+/* Where two edges meet, or a corner of a meets b, seen from a: unit normal towards a, overlap q (not positive: they don't touch; 0 where a corner is as deep),
  * middle of the overlap from the centre of a, and what one newton of the law does to both bodies, the gradient of q: force on a (the
  * opposite on b), torques about their centres. */
 struct scree_crossing {
     struct scree_meeting meeting;
     struct vec point, force, turn_a, turn_b;
 };
+
+/* Corner 0 … 7 of a (bits for +x, +y, +z) on b. */
+struct scree_crossing scree_meet_corner(const struct scree_two_boxes *boxes, int corner);
 
 /* Edge `ea` of a on edge `eb` of b, 0 … 11. */
 struct scree_crossing scree_meet_edges(const struct scree_two_boxes *boxes, int ea, int eb);

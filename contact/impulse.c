@@ -91,11 +91,12 @@ struct view {
         turn_host; /* of edges on edges: beyond what the normal force does at the arm, per 1 N */
 };
 
-static struct view view_of_edges(const struct scree_bodies *bodies, const struct scree_contact *contact) {
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+static struct view view_of_crossing(const struct scree_two_boxes *boxes, const struct scree_contact *contact,
+                                    enum scree_geometry geometry) {
     struct scree_crossing c = {.meeting = {vec(0.0, 0.0, 1.0), SCREE_OUTSIDE}};
-    if (!scree_meet_as_rectangles(&boxes, (struct scree_rectangles){0, 0, 1})) c = scree_cross(bodies, contact);
-    struct vec n = c.meeting.normal, apart = boxes.apart;
+    if (geometry == SCREE_BALL_BOX || !scree_meet_as_rectangles(boxes, (struct scree_rectangles){0, 0, 1}))
+        c = scree_cross(boxes, contact, geometry);
+    struct vec n = c.meeting.normal, apart = boxes->apart;
     struct view view = {.normal = n, .arm = c.point, .apart = apart, .overlap = c.meeting.overlap};
     if (!(view.overlap > 0.0)) return view;
     view.lean = vec_sub(c.force, n);
@@ -106,7 +107,10 @@ static struct view view_of_edges(const struct scree_bodies *bodies, const struct
 
 static struct view view_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
                            enum scree_geometry geometry) {
-    if (geometry == SCREE_EDGE_EDGE) return view_of_edges(bodies, contact);
+    if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
+        struct scree_two_boxes boxes = scree_deep_boxes_of(bodies, contact);
+        if (geometry == SCREE_EDGE_EDGE || boxes.inset.by > 0.0) return view_of_crossing(&boxes, contact, geometry);
+    }
     const struct scree_record *ball = &bodies->record[contact->ball];
     struct vec corner = scree_corner_of(bodies, contact, geometry);
     struct scree_meeting m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));

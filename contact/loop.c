@@ -385,11 +385,28 @@ static void act_edges(const struct scree_contacts *contacts, const struct scree_
     act_leaning(&b, &lean, count, step, yield);
 }
 
+static void act_corners(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
+    struct block b;
+    struct lean lean;
+    struct ends ends;
+    find_ends(bodies, batch->contact + first, count, &ends);
+    gather(bodies, batch->contact + first, &ends, count, SCREE_BALL_BOX, &b);
+    int deep = deepen_corners(bodies, batch->contact + first, count, &b, &lean);
+    press_gathered(contacts, batch, first, count, step, &b);
+    finish(contacts, batch, &b, count, step, yield);
+    if (deep) act_leaning(&b, &lean, count, step, yield);
+}
+
 static void act(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
     struct block b;
     if (batch->geometry == SCREE_EDGE_EDGE) {
         act_edges(contacts, bodies, batch, first, count, step, yield);
+        return;
+    }
+    if (batch->geometry == SCREE_BALL_BOX) {
+        act_corners(contacts, bodies, batch, first, count, step, yield);
         return;
     }
     struct ends ends;

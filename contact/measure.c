@@ -48,10 +48,13 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
 static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
                                  enum scree_geometry geometry, struct scree_meeting *m) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    if (geometry == SCREE_EDGE_EDGE) {
-        struct scree_crossing crossing = scree_cross(bodies, contact);
-        *m = crossing.meeting;
-        return scree_gait_on_edges(bodies, contact, &crossing);
+    if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
+        struct scree_two_boxes boxes = scree_deep_boxes_of(bodies, contact);
+        if (geometry == SCREE_EDGE_EDGE || boxes.inset.by > 0.0) {
+            struct scree_crossing crossing = scree_cross(&boxes, contact, geometry);
+            *m = crossing.meeting;
+            return scree_gait_on_edges(bodies, contact, &crossing);
+        }
     }
     struct vec corner = scree_corner_of(bodies, contact, geometry);
     *m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));

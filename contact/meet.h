@@ -105,15 +105,23 @@ static inline struct scree_two_boxes scree_two_boxes_of(const struct scree_bodie
                                     vec_sub(vec_from(a->x), vec_from(b->x)),
                                     a->radius,
                                     b->radius,
-                                    2.0 * fmin(a->limit, b->limit)};
+                                    {.factor = 1.0}};
 }
 
-/* A contact of two edges. */
-static inline struct scree_crossing scree_cross(const struct scree_bodies *bodies,
-                                                const struct scree_contact *contact) {
+/* The boxes of a contact, drawn in where they are deep. */
+static inline struct scree_two_boxes scree_deep_boxes_of(const struct scree_bodies *bodies,
+                                                         const struct scree_contact *contact) {
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    scree_draw_in(&boxes);
+    return boxes;
+}
+
+/* A contact of two edges, or of a corner with a box. */
+static inline struct scree_crossing scree_cross(const struct scree_two_boxes *boxes,
+                                                const struct scree_contact *contact, enum scree_geometry geometry) {
     int code = contact->corner - 1;
-    return scree_meet_edges(&boxes, code / SCREE_EDGES, code % SCREE_EDGES);
+    if (geometry == SCREE_BALL_BOX) return scree_meet_corner(boxes, code % 8);
+    return scree_meet_edges(boxes, code / SCREE_EDGES, code % SCREE_EDGES);
 }
 
 /* How two edges move at their crossing; they close in as fast as their overlap grows. */
@@ -127,6 +135,10 @@ static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *b
     velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(c->point, apart)));
     double closing =
         -vec_dot(c->force, between) - vec_dot(c->turn_a, vec_from(ball->w)) - vec_dot(c->turn_b, vec_from(host->w));
+    /* A gradient that turns a body more than a force at its farthest point would is too steep for an explicit dashpot: what the dashpot
+     * is told of the speed is less in the square, as if its lever ended there. */
+    double lever = fmax(vec_norm(c->turn_a) / ball->bound, vec_norm(c->turn_b) / host->bound);
+    if (lever > 1.0) closing /= lever * lever;
     return (struct scree_gait){c->point, vec_axpy(velocity, -vec_dot(velocity, n), n), closing};
 }
 

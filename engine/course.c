@@ -181,8 +181,9 @@ static const struct scree_contact *touching_edges(const struct scree_bodies *bod
         end = run + 1 < batch->runs ? batch->run[run + 1].start : batch->segment[0].count;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact[start].ball, contact[start].host);
     if (scree_meet_as_rectangles(&boxes, batch->run[run].first)) return NULL;
+    scree_draw_in(&boxes);
     for (int k = start; k < end; k++)
-        if (scree_cross(bodies, &contact[k]).meeting.overlap > 0.0) return &contact[k];
+        if (scree_cross(&boxes, &contact[k], SCREE_EDGE_EDGE).meeting.overlap > 0.0) return &contact[k];
     return NULL;
 }
 

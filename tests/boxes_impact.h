@@ -54,7 +54,8 @@ static inline scree_scene *impact_scene(uint64_t *seed, const struct impact_kind
     struct oracle_pair pair;
     oracle_box(&pair.a, first, rounding_a, q);
     oracle_box(&pair.b, second, rounding_b, p);
-    pair.boxes = (struct scree_two_boxes){&pair.a, &pair.b, vec(0.0, 0.0, 0.0), rounding_a, rounding_b, thin};
+    pair.boxes =
+        (struct scree_two_boxes){&pair.a, &pair.b, vec(0.0, 0.0, 0.0), rounding_a, rounding_b, {.factor = 1.0}};
     double gap = 0.02 * thin;
     oracle_bring_together(&pair, way, -gap);
     double mass_a = impact_mass(first, rounding_a), mass_b = impact_mass(second, rounding_b);

@@ -203,7 +203,7 @@ static inline void oracle_random_pair(struct oracle_pair *pair, uint64_t *seed, 
     oracle_box(&pair->a, first, rounding_a, q);
     oracle_box(&pair->b, second, rounding_b, p);
     pair->boxes =
-        (struct scree_two_boxes){&pair->a, &pair->b, vec(0.0, 0.0, 0.0), rounding_a, rounding_b, 0.5 * pair->thinnest};
+        (struct scree_two_boxes){&pair->a, &pair->b, vec(0.0, 0.0, 0.0), rounding_a, rounding_b, {.factor = 1.0}};
     double most = deepest > 0.0 ? deepest * (rounding_a + rounding_b) : 0.49 * pair->thinnest;
     double share = oracle_random(seed);
     double wanted = share < 0.2 ? -most * share : most * pow(10.0, -4.0 * (share - 0.2));
@@ -217,27 +217,33 @@ struct oracle_verdict {
     int corners, crossings;
 };
 
-static inline void oracle_judge_corners(const struct scree_attitude *ball, const struct scree_attitude *host,
-                                        struct vec apart, double rounding, double other, struct oracle_verdict *v) {
-    struct scree_whole whole = {apart, ball};
+/* The boxes seen from the other one. */
+static inline struct scree_two_boxes oracle_swap(const struct scree_two_boxes *boxes) {
+    return (struct scree_two_boxes){.a = boxes->b,
+                                    .b = boxes->a,
+                                    .apart = vec_scale(-1.0, boxes->apart),
+                                    .rounding_a = boxes->rounding_b,
+                                    .rounding_b = boxes->rounding_a,
+                                    .inset = {.factor = 1.0}};
+}
+
+static inline void oracle_judge_corners(struct scree_two_boxes boxes, struct oracle_verdict *v) {
+    scree_draw_in(&boxes);
     for (int k = 0; k < 8; k++) {
-        struct vec own = vec(k & 1 ? ball->half[0] : -ball->half[0], k & 2 ? ball->half[1] : -ball->half[1],
-                             k & 4 ? ball->half[2] : -ball->half[2]);
-        struct vec corner = vec_add(apart, mat_apply(&ball->frame, own));
-        struct scree_meeting m =
-            scree_meet_box(corner, rounding, whole, vec(0.0, 0.0, 0.0), &host->frame, host->half, other);
-        v->corners += m.overlap > 0.0;
-        v->deepest = fmax(v->deepest, m.overlap);
+        struct scree_crossing c = scree_meet_corner(&boxes, k);
+        v->corners += c.meeting.overlap > 0.0;
+        v->deepest = fmax(v->deepest, c.meeting.overlap);
     }
 }
 
 static inline struct oracle_verdict oracle_judge(const struct oracle_pair *pair) {
-    const struct scree_two_boxes *boxes = &pair->boxes;
-    struct oracle_verdict v = {.truth = oracle_boxes(boxes), .deepest = -HUGE_VAL};
-    oracle_judge_corners(boxes->a, boxes->b, boxes->apart, boxes->rounding_a, boxes->rounding_b, &v);
-    oracle_judge_corners(boxes->b, boxes->a, vec_scale(-1.0, boxes->apart), boxes->rounding_b, boxes->rounding_a, &v);
+    struct scree_two_boxes boxes = pair->boxes;
+    struct oracle_verdict v = {.truth = oracle_boxes(&boxes), .deepest = -HUGE_VAL};
+    oracle_judge_corners(boxes, &v);
+    oracle_judge_corners(oracle_swap(&boxes), &v);
+    scree_draw_in(&boxes);
     for (int e = 0; e < SCREE_EDGES * SCREE_EDGES; e++) {
-        struct scree_crossing c = scree_meet_edges(boxes, e / SCREE_EDGES, e % SCREE_EDGES);
+        struct scree_crossing c = scree_meet_edges(&boxes, e / SCREE_EDGES, e % SCREE_EDGES);
         v.crossings += c.meeting.overlap > 0.0;
         v.deepest = fmax(v.deepest, c.meeting.overlap);
     }

@@ -192,6 +192,7 @@ static char *crowd_text(int count) {
 static int count_edges(const struct scree_bodies *bodies, int i, int j) {
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
     int touching = 0;
+    scree_draw_in(&boxes);
     for (int e = 0; e < SCREE_EDGES * SCREE_EDGES; e++)
         touching += scree_meet_edges(&boxes, e / SCREE_EDGES, e % SCREE_EDGES).meeting.overlap > 0.0;
     return touching;
@@ -222,6 +223,11 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
                         : host == SCREE_RECTANGLE ? scree_meet_rectangle(p, radius, whole, origin, &a->frame, a->half,
                                                                          scree_thickness(&bodies->record[i]))
                                                   : scree_meet_box(p, radius, whole, origin, &a->frame, a->half, other);
+                }
+                if (ball == SCREE_BOX && host == SCREE_BOX) {
+                    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
+                    scree_draw_in(&boxes);
+                    m = scree_meet_corner(&boxes, c).meeting;
                 }
                 touching += m.overlap > 0.0;
             }
