@@ -5,6 +5,9 @@
 
 #include <math.h>
 
+/* For what is called several times in one pass of the loop: what isn't inlined isn't vectorised. */
+#define SCREE_INLINE inline __attribute__((always_inline))
+
 struct vec {
     double x, y, z;
 };
@@ -14,22 +17,22 @@ struct mat {
     struct vec column[3];
 };
 
-static inline struct vec vec(double x, double y, double z) { return (struct vec){x, y, z}; }
-static inline struct vec vec_from(const double a[3]) { return vec(a[0], a[1], a[2]); }
-static inline struct vec vec_add(struct vec a, struct vec b) { return vec(a.x + b.x, a.y + b.y, a.z + b.z); }
-static inline struct vec vec_sub(struct vec a, struct vec b) { return vec(a.x - b.x, a.y - b.y, a.z - b.z); }
-static inline struct vec vec_scale(double s, struct vec a) { return vec(s * a.x, s * a.y, s * a.z); }
-static inline struct vec vec_times(struct vec a, struct vec b) { return vec(a.x * b.x, a.y * b.y, a.z * b.z); }
-static inline double vec_dot(struct vec a, struct vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static inline double vec_norm2(struct vec a) { return vec_dot(a, a); }
-static inline double vec_norm(struct vec a) { return sqrt(vec_norm2(a)); }
+static SCREE_INLINE struct vec vec(double x, double y, double z) { return (struct vec){x, y, z}; }
+static SCREE_INLINE struct vec vec_from(const double a[3]) { return vec(a[0], a[1], a[2]); }
+static SCREE_INLINE struct vec vec_add(struct vec a, struct vec b) { return vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+static SCREE_INLINE struct vec vec_sub(struct vec a, struct vec b) { return vec(a.x - b.x, a.y - b.y, a.z - b.z); }
+static SCREE_INLINE struct vec vec_scale(double s, struct vec a) { return vec(s * a.x, s * a.y, s * a.z); }
+static SCREE_INLINE struct vec vec_times(struct vec a, struct vec b) { return vec(a.x * b.x, a.y * b.y, a.z * b.z); }
+static SCREE_INLINE double vec_dot(struct vec a, struct vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static SCREE_INLINE double vec_norm2(struct vec a) { return vec_dot(a, a); }
+static SCREE_INLINE double vec_norm(struct vec a) { return sqrt(vec_norm2(a)); }
 
 /* a + s b */
-static inline struct vec vec_axpy(struct vec a, double s, struct vec b) {
+static SCREE_INLINE struct vec vec_axpy(struct vec a, double s, struct vec b) {
     return vec(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
 }
 
-static inline struct vec vec_cross(struct vec a, struct vec b) {
+static SCREE_INLINE struct vec vec_cross(struct vec a, struct vec b) {
     return vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 

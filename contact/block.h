@@ -1,5 +1,5 @@
 /* A block of contacts on its way through the loop, and how it is gathered from the bodies: rows of records are fetched and turned into
- * columns, from which normal, overlap, arms, relative velocity follow. Part of loop.c. */
+ * columns, from which normal, overlap, arms, relative velocity follow. Part of loop.c and smooth.c. */
 #ifndef SCREE_CONTACT_BLOCK_H
 #define SCREE_CONTACT_BLOCK_H
 
@@ -14,11 +14,11 @@ enum { WIDTH = 8 };
 #else
 enum { WIDTH = 4 };
 #endif
-static int padded(int count) { return (count + WIDTH - 1) & -WIDTH; }
+static inline int padded(int count) { return (count + WIDTH - 1) & -WIDTH; }
 
 #ifdef __AVX__
 /* Four rows to four columns, or back. */
-static inline void transpose(scree_row r[4]) {
+static SCREE_INLINE void transpose(scree_row r[4]) {
     scree_row a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
     scree_row c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
     r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
@@ -27,7 +27,7 @@ static inline void transpose(scree_row r[4]) {
     r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-static inline void store_columns(scree_row r[4], double (*column)[SCREE_LANES], int lane) {
+static SCREE_INLINE void store_columns(scree_row r[4], double (*column)[SCREE_LANES], int lane) {
     transpose(r);
     for (int i = 0; i < 4; i++) *(scree_row *)&column[i][lane] = r[i];
 }
@@ -38,7 +38,7 @@ static inline void store_columns(scree_row r[4], double (*column)[SCREE_LANES], 
 typedef double wide_row __attribute__((vector_size(64), aligned(8), may_alias));
 
 /* Eight rows to eight columns, or back. */
-static inline void transpose_wide(wide_row r[8]) {
+static SCREE_INLINE void transpose_wide(wide_row r[8]) {
     wide_row a[8], b[8];
     for (int i = 0; i < 8; i += 2) { /* pairs of rows */
         a[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
@@ -100,6 +100,11 @@ static inline void put_kept(double *const *kept, int lane, struct vec a) {
 
 static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
     return vec(column[0][lane], column[1][lane], column[2][lane]);
+}
+
+/* Limit of the overlap in a lane, m. */
+static inline double limit_of(const struct block *b, int k) {
+    return b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
 }
 
 /* ---- gather ---- */
@@ -178,11 +183,11 @@ static inline void find_ends(const struct scree_bodies *bodies, const struct scr
     }
 }
 
-static void fetch(const struct ends *ends, int count, struct block *b) {
+static inline void fetch(const struct ends *ends, int count, struct block *b) {
     for (int lane = 0; lane < padded(count); lane += WIDTH) fetch_some(ends, lane, b);
 }
 
-static void meet_balls(int count, struct block *b) {
+static inline void meet_balls(int count, struct block *b) {
     const struct vec origin = {0.0, 0.0, 0.0};
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
@@ -228,7 +233,7 @@ static inline void meet_others(const struct scree_bodies *bodies, const struct s
     }
 }
 
-static void move_all(int count, struct block *b) {
+static inline void move_all(int count, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
@@ -246,7 +251,7 @@ static void move_all(int count, struct block *b) {
 }
 
 /* Whether some bodies meet or part within the step, or may: blocks without such contacts need nothing of the kind. */
-static int some_meet_or_part(const struct block *b, int count, double step) {
+static inline int some_meet_or_part(const struct block *b, int count, double step) {
     int some = 0;
     _Pragma("omp simd reduction(| : some)")
     for (int k = 0; k < padded(count); k++)
@@ -255,7 +260,7 @@ static int some_meet_or_part(const struct block *b, int count, double step) {
 }
 
 /* Share of the step during which the bodies touch: 1 or 0, as `touching`, but for the steps in which they meet or part. */
-static void share_out(int count, double step, struct block *b) {
+static inline void share_out(int count, double step, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
@@ -265,8 +270,8 @@ static void share_out(int count, double step, struct block *b) {
     }
 }
 
-static void gather(const struct scree_bodies *bodies, const struct scree_contact *contact, const struct ends *ends,
-                   int count, enum scree_geometry geometry, struct block *b) {
+static inline void gather(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                          const struct ends *ends, int count, enum scree_geometry geometry, struct block *b) {
     fetch(ends, count, b);
     switch (geometry) { /* constant arguments: each case becomes a loop of its own */
     case SCREE_BALL_BALL:
@@ -297,7 +302,7 @@ struct lean {
 };
 
 /* What can't touch, or is padding. */
-static void gather_nothing(struct block *b, int lane, struct lean *lean) {
+static inline void gather_nothing(struct block *b, int lane, struct lean *lean) {
     struct vec zero = {0.0, 0.0, 0.0};
     put(b->n, lane, vec(0.0, 0.0, 1.0));
     put(b->arm, lane, zero);
@@ -309,9 +314,9 @@ static void gather_nothing(struct block *b, int lane, struct lean *lean) {
     put(lean->turn_host, lane, zero);
 }
 
-static void gather_crossing(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                            const struct scree_two_boxes *boxes, enum scree_geometry geometry, struct block *b,
-                            int lane, struct lean *lean) {
+static inline void gather_crossing(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                   const struct scree_two_boxes *boxes, enum scree_geometry geometry, struct block *b,
+                                   int lane, struct lean *lean) {
     struct scree_crossing c = scree_cross(boxes, contact, geometry);
     struct scree_gait gait = scree_gait_on_edges(bodies, contact, &c);
     struct vec n = c.meeting.normal, host_arm = vec_add(c.point, get(b->shift, lane));
@@ -327,8 +332,8 @@ static void gather_crossing(const struct scree_bodies *bodies, const struct scre
 }
 
 /* Whether two boxes may touch edge on edge in this step. Where they can't, all would come out as zero. */
-static int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                     const struct scree_run *run) {
+static inline int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                            const struct scree_run *run) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     double way = a->path + b->path - run->from;
     if (2.0 * way < run->clear) return 0; /* twice: the step's own way, wherever it is within it */
@@ -337,8 +342,8 @@ static int may_cross(const struct scree_bodies *bodies, const struct scree_conta
 }
 
 /* Contacts first … first + count - 1 of segment 0, a block of it. Returns 0 if nothing can touch; then nothing is gathered. */
-static int gather_crossings(const struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
-                            struct block *b, struct lean *lean) {
+static inline int gather_crossings(const struct scree_bodies *bodies, const struct scree_batch *batch, int first,
+                                   int count, struct block *b, struct lean *lean) {
     const struct scree_contact *contact = batch->contact + batch->segment[0].first;
     int start = first - batch->segment[0].first, first_run = batch->first_run[start / SCREE_LANES];
     int runs = 0, any = 0, may[SCREE_LANES];
@@ -363,8 +368,8 @@ static int gather_crossings(const struct scree_bodies *bodies, const struct scre
 }
 
 /* Corners on boxes, of boxes that are deeper in each other than their roundings: they lean as well. Returns whether there are any. */
-static int deepen_corners(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                          struct block *b, struct lean *lean) {
+static inline int deepen_corners(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                                 struct block *b, struct lean *lean) {
     struct scree_two_boxes boxes = {.a = NULL};
     int any = 0;
     for (int lane = 0; lane < count; lane++) {

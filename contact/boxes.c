@@ -181,18 +181,18 @@ static int look_along(const struct scree_two_boxes *boxes, int axis, struct way 
     return 1;
 }
 
-static struct scree_push push_at(struct vec apart, struct vec force, struct vec point) {
-    return (struct scree_push){force, vec_cross(point, force),
-                               vec_scale(-1.0, vec_cross(vec_add(point, apart), force))};
+static struct scree_gradient push_at(struct vec apart, struct vec force, struct vec point) {
+    return (struct scree_gradient){force, vec_cross(point, force),
+                                   vec_scale(-1.0, vec_cross(vec_add(point, apart), force))};
 }
 
-static struct scree_push push_axpy(struct scree_push p, double s, struct scree_push q) {
-    return (struct scree_push){vec_axpy(p.force, s, q.force), vec_axpy(p.turn_a, s, q.turn_a),
-                               vec_axpy(p.turn_b, s, q.turn_b)};
+static struct scree_gradient push_axpy(struct scree_gradient p, double s, struct scree_gradient q) {
+    return (struct scree_gradient){vec_axpy(p.force, s, q.force), vec_axpy(p.turn_a, s, q.turn_a),
+                                   vec_axpy(p.turn_b, s, q.turn_b)};
 }
 
-static struct scree_push push_scale(double s, struct scree_push p) {
-    return (struct scree_push){vec_scale(s, p.force), vec_scale(s, p.turn_a), vec_scale(s, p.turn_b)};
+static struct scree_gradient push_scale(double s, struct scree_gradient p) {
+    return (struct scree_gradient){vec_scale(s, p.force), vec_scale(s, p.turn_a), vec_scale(s, p.turn_b)};
 }
 
 /* The point of a core, from its centre, that is farthest along a direction. */
@@ -204,7 +204,7 @@ static struct vec farthest(const struct scree_attitude *box, struct vec directio
 }
 
 /* Gradient of the depth along a direction: a unit force on the deepest corner of a, or of b, or where two edges cross. */
-static struct scree_push push_of_depth(const struct scree_two_boxes *boxes, const struct way *way) {
+static struct scree_gradient push_of_depth(const struct scree_two_boxes *boxes, const struct way *way) {
     const struct scree_attitude *a = boxes->a, *b = boxes->b;
     struct vec n = way->normal, on_a = farthest(a, vec_scale(-1.0, n)), on_b = farthest(b, n);
     if (way->axis < 3) on_a = vec_sub(on_b, boxes->apart);
@@ -217,7 +217,7 @@ static struct scree_push push_of_depth(const struct scree_two_boxes *boxes, cons
 }
 
 /* Gradient of the recess, which changes as the boxes turn, and the direction with them. */
-static struct scree_push push_of_recess(const struct scree_two_boxes *boxes, const struct way *way) {
+static struct scree_gradient push_of_recess(const struct scree_two_boxes *boxes, const struct way *way) {
     const struct mat *a = &boxes->a->frame, *b = &boxes->b->frame;
     struct vec n = way->normal, zero = {0.0, 0.0, 0.0}, of_a = zero, of_b = zero;
     for (int k = 0; k < 3; k++) {
@@ -234,18 +234,18 @@ static struct scree_push push_of_recess(const struct scree_two_boxes *boxes, con
         turn_a = vec_sub(turn_a, vec_cross(u, vec_cross(v, flat)));
         turn_b = vec_sub(turn_b, vec_cross(v, vec_cross(flat, u)));
     }
-    return (struct scree_push){zero, turn_a, turn_b};
+    return (struct scree_gradient){zero, turn_a, turn_b};
 }
 
 /* Gradient of aside_of. */
-static struct scree_push push_of_aside(const struct scree_two_boxes *boxes, const struct way *way) {
+static struct scree_gradient push_of_aside(const struct scree_two_boxes *boxes, const struct way *way) {
     struct vec zero = {0.0, 0.0, 0.0};
-    if (!(aside_of(way) > 0.0)) return (struct scree_push){zero, zero, zero};
+    if (!(aside_of(way) > 0.0)) return (struct scree_gradient){zero, zero, zero};
     struct vec u = boxes->a->frame.column[(way->axis - 6) / 3], v = boxes->b->frame.column[(way->axis - 6) % 3];
     struct vec across = vec_scale(1.0 / way->size, vec_cross(u, v));
     double rate = 2.0 * (0.2 / way->size - 1.0) * 0.2 / (way->size * way->size);
-    return (struct scree_push){zero, vec_scale(rate, vec_cross(u, vec_cross(v, across))),
-                               vec_scale(rate, vec_cross(v, vec_cross(across, u)))};
+    return (struct scree_gradient){zero, vec_scale(rate, vec_cross(u, vec_cross(v, across))),
+                                   vec_scale(rate, vec_cross(v, vec_cross(across, u)))};
 }
 
 static double depth_left(const struct way *way, double depth) {
@@ -267,7 +267,7 @@ void scree_draw_in(struct scree_two_boxes *boxes) {
     for (int k = 1; k < ways; k++)
         if (depth_left(&way[k], depth) < depth_left(&way[left], depth)) left = k;
     double rest = roundings + depth_left(&way[left], depth), factor = (roundings + depth) / rest;
-    struct scree_push deeper = push_of_depth(boxes, &way[least]), less = push_of_depth(boxes, &way[left]);
+    struct scree_gradient deeper = push_of_depth(boxes, &way[least]), less = push_of_depth(boxes, &way[left]);
     less = push_axpy(less, aside_of(&way[left]) - inset_per_depth * (way[left].recess - 2.0), deeper);
     less = push_axpy(less, depth, push_of_aside(boxes, &way[left]));
     less = push_axpy(less, -by, push_of_recess(boxes, &way[left]));
@@ -329,7 +329,7 @@ static void push(struct scree_crossing *c, struct vec apart, struct vec push, st
 static void count_inset(struct scree_crossing *c, const struct scree_two_boxes *boxes, double slope) {
     const struct scree_inset *inset = &boxes->inset;
     if (!(inset->by > 0.0)) return;
-    struct scree_push p = push_axpy((struct scree_push){c->force, c->turn_a, c->turn_b}, slope, inset->deeper);
+    struct scree_gradient p = push_axpy((struct scree_gradient){c->force, c->turn_a, c->turn_b}, slope, inset->deeper);
     p = push_axpy(push_scale(inset->factor, p), c->meeting.overlap, inset->larger);
     c->meeting.overlap *= inset->factor;
     c->force = p.force;

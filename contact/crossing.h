@@ -24,14 +24,14 @@
 #include "contact/geometry.h"
 
 /* A gradient, by how the boxes move against it: force on a (the opposite on b), torques about their centres. */
-struct scree_push {
+struct scree_gradient {
     struct vec force, turn_a, turn_b;
 };
 
 /* How far both cores are drawn in, m, and the factor of their overlaps; both with their gradients. */
 struct scree_inset {
     double by, factor;
-    struct scree_push deeper, larger;
+    struct scree_gradient deeper, larger;
 };
 
 /* Two boxes, seen from the centre of b. */

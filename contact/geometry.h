@@ -13,8 +13,8 @@ struct scree_meeting {
 /* Gap that stands for "below the plate"; a contact with it never touches. */
 #define SCREE_OUTSIDE (-1e30)
 
-static inline struct scree_meeting scree_meet_ball(struct vec centre, double radius, struct vec other,
-                                                   double other_radius) {
+static SCREE_INLINE struct scree_meeting scree_meet_ball(struct vec centre, double radius, struct vec other,
+                                                         double other_radius) {
     struct vec d = vec_sub(centre, other);
     double distance = vec_norm(d), inverse = 1.0 / distance;
     int same = distance == 0.0; /* selections, no branch: the loop takes several at once */

@@ -14,9 +14,6 @@
 #include "bodies/vec.h"
 #include "contact/choice.h"
 
-/* For what is called several times in one pass of the loop: what isn't inlined isn't vectorised. */
-#define SCREE_INLINE inline __attribute__((always_inline))
-
 enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12 };
 
 /* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the normal

@@ -17,9 +17,6 @@
 
 /* ---- laws ---- */
 
-/* What isn't inlined isn't vectorised either. */
-#define INLINE inline __attribute__((always_inline))
-
 typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
                       double *const *kept, double step);
 
@@ -28,8 +25,8 @@ typedef void law_pass(struct block *b, int count, const struct scree_law_constan
  * is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked up, not
  * compared again: a second comparison would make a branch of the law, and no vector. */
 #define NORMAL_PASS(word)                                                                                              \
-    static INLINE void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,           \
-                                        const double *const *pair, double *const *kept) {                              \
+    static SCREE_INLINE void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,     \
+                                              const double *const *pair, double *const *kept) {                        \
         double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
         struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                      \
         struct scree_pressing at = {b->overlap[k], b->closing[k], 0.0, 0.0};                                           \
@@ -65,8 +62,8 @@ SCREE_NORMAL_LAWS(NORMAL_PASS)
 
 /* One pass per friction law. The memory belongs to the ends of steps, the velocity to their middle. */
 #define FRICTION_PASS(word)                                                                                            \
-    static INLINE void friction_at_##word(struct block *b, int k, const struct scree_law_constants *constants,         \
-                                          const double *const *pair, double *const *kept, double half) {               \
+    static SCREE_INLINE void friction_at_##word(struct block *b, int k, const struct scree_law_constants *constants,   \
+                                                const double *const *pair, double *const *kept, double half) {         \
         double normal = b->force[k] > 0.0 ? b->force[k] : 0.0;                                                         \
         struct scree_pair_constants of_pair = {                                                                        \
             {pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};                               \
@@ -107,13 +104,6 @@ SCREE_FRICTION_LAWS(FRICTION_PASS)
         }                                                                                                              \
     }
 COMMON_PAIRS(COMMON_PASS)
-
-#define INDEX(word) NORMAL_##word,
-enum { SCREE_NORMAL_LAWS(INDEX) };
-#undef INDEX
-#define INDEX(word) FRICTION_##word,
-enum { SCREE_FRICTION_LAWS(INDEX) };
-#undef INDEX
 
 #define ENTRY(one, other) {NORMAL_##one, FRICTION_##other, common_pass_##one##_##other},
 static const struct {
@@ -195,7 +185,7 @@ struct kick {
     struct vec impulse, turn_ball, turn_host;
 };
 
-static INLINE struct kick kick_of(const struct block *b, int k, double step, int deeds) {
+static SCREE_INLINE struct kick kick_of(const struct block *b, int k, double step, int deeds) {
     struct kick kick = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), j = vec_scale(step * b->force[k], n);
     if (deeds & RUBS) j = vec_axpy(j, step, vec(b->friction[0][k], b->friction[1][k], b->friction[2][k]));
@@ -247,7 +237,8 @@ static INLINE struct kick kick_of(const struct block *b, int k, double step, int
         break;                                                                                                         \
     }
 
-static INLINE void write_kicks(const struct block *b, int count, double step, int deeds, struct scree_yield *yield) {
+static SCREE_INLINE void write_kicks(const struct block *b, int count, double step, int deeds,
+                                     struct scree_yield *yield) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct kick kick = kick_of(b, k, step, deeds);
@@ -385,34 +376,21 @@ static void act_edges(const struct scree_contacts *contacts, const struct scree_
     act_leaning(&b, &lean, count, step, yield);
 }
 
-static void act_corners(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                        const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
-    struct block b;
-    struct lean lean;
-    struct ends ends;
-    find_ends(bodies, batch->contact + first, count, &ends);
-    gather(bodies, batch->contact + first, &ends, count, SCREE_BALL_BOX, &b);
-    int deep = deepen_corners(bodies, batch->contact + first, count, &b, &lean);
-    press_gathered(contacts, batch, first, count, step, &b);
-    finish(contacts, batch, &b, count, step, yield);
-    if (deep) act_leaning(&b, &lean, count, step, yield);
-}
-
 static void act(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
     struct block b;
+    struct lean lean;
     if (batch->geometry == SCREE_EDGE_EDGE) {
         act_edges(contacts, bodies, batch, first, count, step, yield);
         return;
     }
-    if (batch->geometry == SCREE_BALL_BOX) {
-        act_corners(contacts, bodies, batch, first, count, step, yield);
-        return;
-    }
     struct ends ends;
     find_ends(bodies, batch->contact + first, count, &ends);
-    press(contacts, bodies, batch, &ends, first, count, step, &b);
+    gather(bodies, batch->contact + first, &ends, count, batch->geometry, &b);
+    int deep = batch->geometry == SCREE_BALL_BOX && deepen_corners(bodies, batch->contact + first, count, &b, &lean);
+    press_gathered(contacts, batch, first, count, step, &b);
     finish(contacts, batch, &b, count, step, yield);
+    if (deep) act_leaning(&b, &lean, count, step, yield);
 }
 
 /* ---- straight into the bodies ---- */
@@ -427,7 +405,7 @@ struct kicks {
 /* Two balls that don't roll on torques of their own are turned along one direction, each by its lever: `turn_ball` is that. */
 static inline int by_levers(int deeds) { return deeds & TURNS && deeds & BALLS && !(deeds & ROLLS); }
 
-static INLINE void make_kicks(const struct block *b, int count, double step, int deeds, struct kicks *kicks) {
+static SCREE_INLINE void make_kicks(const struct block *b, int count, double step, int deeds, struct kicks *kicks) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct kick kick = kick_of(b, k, step, deeds);
@@ -441,7 +419,8 @@ static INLINE void make_kicks(const struct block *b, int count, double step, int
 /* Add the kicks of a block to its bodies. `hosts`: partners are pushed too; else they are frozen, and several slabs have them in
  * common. */
 #if defined __AVX512F__
-static INLINE void load_kicks(double (*impulse)[SCREE_LANES], double (*turn)[SCREE_LANES], int lane, wide_row r[8]) {
+static SCREE_INLINE void load_kicks(double (*impulse)[SCREE_LANES], double (*turn)[SCREE_LANES], int lane,
+                                    wide_row r[8]) {
     const wide_row none = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < 3; i++) r[i] = *(const wide_row *)&impulse[i][lane];
     for (int i = 0; i < 3; i++) r[4 + i] = *(const wide_row *)&turn[i][lane];
@@ -449,10 +428,12 @@ static INLINE void load_kicks(double (*impulse)[SCREE_LANES], double (*turn)[SCR
     transpose_wide(r);
 }
 
-static INLINE wide_row with_lever(double lever) { return (wide_row){1.0, 1.0, 1.0, 1.0, lever, lever, lever, lever}; }
+static SCREE_INLINE wide_row with_lever(double lever) {
+    return (wide_row){1.0, 1.0, 1.0, 1.0, lever, lever, lever, lever};
+}
 
-static INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
-                             struct kicks *kicks) {
+static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                                   struct kicks *kicks) {
     for (int lane = 0; lane < count; lane += 8) {
         wide_row on_ball[8], on_host[8];
         load_kicks(kicks->impulse, kicks->turn_ball, lane, on_ball);
@@ -470,14 +451,14 @@ static INLINE void add_kicks(const struct ends *ends, const struct block *b, int
     }
 }
 #elif defined __AVX__
-static INLINE void load_kicks(double (*column)[SCREE_LANES], int lane, scree_row r[4]) {
+static SCREE_INLINE void load_kicks(double (*column)[SCREE_LANES], int lane, scree_row r[4]) {
     for (int i = 0; i < 3; i++) r[i] = *(scree_row *)&column[i][lane];
     r[3] = (scree_row){0.0, 0.0, 0.0, 0.0};
     transpose(r);
 }
 
-static INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
-                             struct kicks *kicks) {
+static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                                   struct kicks *kicks) {
     for (int lane = 0; lane < count; lane += 4) {
         scree_row impulse[4], turn_ball[4], turn_host[4];
         load_kicks(kicks->impulse, lane, impulse);
@@ -498,8 +479,8 @@ static INLINE void add_kicks(const struct ends *ends, const struct block *b, int
     }
 }
 #else
-static INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
-                             struct kicks *kicks) {
+static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                                   struct kicks *kicks) {
     for (int lane = 0; lane < count; lane++) {
         struct scree_record *ball = ends->ball[lane], *host = ends->host[lane];
         for (int k = 0; k < 3; k++) {
@@ -517,8 +498,8 @@ static INLINE void add_kicks(const struct ends *ends, const struct block *b, int
 }
 #endif
 
-static INLINE void push_as(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
-                           double step) {
+static SCREE_INLINE void push_as(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
+                                 double step) {
     struct kicks kicks;
     make_kicks(b, count, step, deeds, &kicks);
     if (hosts)
@@ -533,11 +514,6 @@ static void push(const struct ends *ends, const struct block *b, int count, cons
 #define PUSH(constant) push_as(ends, b, count, hosts, constant, step)
     FOR_DEEDS(deeds, PUSH)
 #undef PUSH
-}
-
-/* Limit of the overlap in a lane, m. */
-static inline double limit_of(const struct block *b, int k) {
-    return b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
 }
 
 /* The deepest overlap; a block without one that can be deeper than those before is done with quickly. */
@@ -637,9 +613,8 @@ static int move(struct scree_bodies *bodies, int from, int to, const struct scre
     return too_far;
 }
 
-#include "contact/smooth.h"
-
 #define NAME_OF(loop) #loop
 #define NAMED(loop)   NAME_OF(loop)
 #define PREFIX        (sizeof "scree_loop_" - 1)
-const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight, move, impel, add_up};
+const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight, move, SCREE_PART(impel),
+                                      SCREE_PART(add_up)};

@@ -14,7 +14,7 @@ struct scree_loop {
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally);
     /* Bodies from … to - 1, free or frozen balls, go on (scree_departure). */
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go);
-    /* As many contacts through a step by pair impulses (smooth.h), from what `now` shows of its start. Bits of those that it
+    /* As many contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Bits of those that it
      * can't do are set, and their lanes left alone. */
     uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
@@ -32,5 +32,16 @@ const struct scree_loop *scree_choose_loop(void);
 
 /* The same for some few contacts, with which vectors of eight would be half empty and are slower to divide. */
 const struct scree_loop *scree_choose_loop_for_few(void);
+
+#ifdef SCREE_LOOP /* the loop that is being compiled: its part of smooth.c */
+#define SCREE_PART_OF(loop, part)   loop##_##part
+#define SCREE_NAME_PART(loop, part) SCREE_PART_OF(loop, part)
+#define SCREE_PART(part)            SCREE_NAME_PART(SCREE_LOOP, part)
+uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                           const struct scree_batch *batch, int first, int count, double step,
+                           struct scree_yield *yield, struct scree_moments *moments);
+void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
+                        int hosts, struct scree_yield *yield, struct scree_moments *moments);
+#endif
 
 #endif

@@ -5,11 +5,13 @@
  *   W F = (1/m_a + 1/m_b) F + (l_a^2/I_a + l_b^2/I_b) F_t,    l: from the centre to the contact, F_t: F in the tangent plane.
  *
  * All others are left to within.c. Which they are is decided for each contact by its own numbers, so that no bit depends on its
- * neighbours in the list, on threads or on the processor. Part of loop.c. */
-#ifndef SCREE_CONTACT_SMOOTH_H
-#define SCREE_CONTACT_SMOOTH_H
+ * neighbours in the list, on threads or on the processor. Compiled once for each kind of processor, as loop.c is. */
+#include "contact/block.h"
+#include "contact/law_list.h"
+#include "contact/loop.h"
 
 #include <stddef.h>
+#include <string.h>
 
 typedef struct scree_normal_force press_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                             struct scree_pressing at);
@@ -72,7 +74,7 @@ struct stage {
     double slides;
 };
 
-static INLINE struct scree_sliding sliding_at(const struct stage *at, double normal, double time) {
+static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at, double normal, double time) {
     return (struct scree_sliding){.normal = normal > 0.0 ? normal : 0.0,
                                   .overlap = at->d,
                                   .closing = at->u,
@@ -88,14 +90,14 @@ struct smooth_lane {
     struct scree_pair_constants normal_pair, friction_pair;
 };
 
-static INLINE void press_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
+static SCREE_INLINE void press_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
     struct scree_pressing pressing = {at->d, at->u, 0.0, 0.0};
     struct scree_normal_force f = laws.press(lane->normal, lane->normal_pair, pressing);
     at->normal = f.elastic + f.damping * at->u;
 }
 
 /* Friction at a stage, whose own memory is cut to what holds there. */
-static INLINE void rub_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
+static SCREE_INLINE void rub_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
     struct scree_tangential f = laws.rub(lane->friction, lane->friction_pair, sliding_at(at, at->normal, 0.0));
     at->force = f.force;
     if (!laws.memory) return;
@@ -104,8 +106,8 @@ static INLINE void rub_stage(struct smooth_laws laws, const struct smooth_lane *
 }
 
 /* The memory of friction that was that of `from`, after `time` at the velocity and overlap of `at`. */
-static INLINE void drag_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *from,
-                              const struct stage *at, double normal, double time, struct stage *to) {
+static SCREE_INLINE void drag_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *from,
+                                    const struct stage *at, double normal, double time, struct stage *to) {
     if (!laws.memory) return;
     struct scree_sliding sliding = sliding_at(at, laws.bare ? 1e200 : normal, time);
     sliding.stretch = from->s;
@@ -116,8 +118,8 @@ static INLINE void drag_stage(struct smooth_laws laws, const struct smooth_lane 
 }
 
 /* The stage that follows from the rates of `at`. */
-static INLINE struct stage go_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m, int k,
-                                    const struct stage *first, const struct stage *at, double time) {
+static SCREE_INLINE struct stage go_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m,
+                                          int k, const struct stage *first, const struct stage *at, double time) {
     struct stage to = *first;
     to.d = first->d + time * at->u;
     to.u = first->u + time * (m->closing[k] - m->give[k] * at->normal);
@@ -130,9 +132,9 @@ static INLINE struct stage go_stage(struct smooth_laws laws, const struct smooth
 }
 
 /* What friction remembers at the end, whose overlap and speeds are set. */
-static INLINE void finish_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *a,
-                                const struct stage *b, const struct stage *c, const struct stage *d, double time,
-                                struct stage *end) {
+static SCREE_INLINE void finish_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *a,
+                                      const struct stage *b, const struct stage *c, const struct stage *d, double time,
+                                      struct stage *end) {
     if (!laws.memory) return;
     if (laws.bare) { /* Runge-Kutta's sum, with the stiffness of each stage */
         drag_stage(laws, lane, end, a, 0.0, time / 6.0, end);
@@ -149,9 +151,9 @@ static INLINE void finish_stage(struct smooth_laws laws, const struct smooth_lan
 
 /* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular frequency w errs by about
  * (w h)^3/60 times the change of acceleration x h from the first stage to the second. What slides keeps its two: its memory is of lower order. */
-static INLINE double coarse_at(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m, int k,
-                               const struct stage *a, const struct stage *b, const struct stage *c,
-                               const struct stage *d, const struct stage *end, double time) {
+static SCREE_INLINE double coarse_at(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m, int k,
+                                     const struct stage *a, const struct stage *b, const struct stage *c,
+                                     const struct stage *d, const struct stage *end, double time) {
     const double tolerance = 60.0 * 1e-7;
     double damped = m->rate[k] * time, deep = a->d + SCREE_NO_SPEED;
     double stiff = time * time * (m->give[k] * 1.5 * fabs(a->normal) / deep);
@@ -170,8 +172,8 @@ static INLINE double coarse_at(struct smooth_laws laws, const struct smooth_lane
 }
 
 /* One lane goes on by `time`; `left` is left after it. */
-static INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
-                             double time, double left, struct course *c) {
+static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
+                                   double time, double left, struct course *c) {
     struct smooth_lane lane = {
         .normal = &rule->normal_constants,
         .friction = &rule->friction_constants,
@@ -230,8 +232,8 @@ static INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *r
 }
 
 /* The rate at which the contact damps at its start. */
-static INLINE void rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, int k,
-                             struct course *c, struct motion *m) {
+static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, int k,
+                                   struct course *c, struct motion *m) {
     struct scree_pair_constants normal = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
     struct scree_pair_constants friction = {
         {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
@@ -409,8 +411,8 @@ static void fetch_kept(const struct scree_batch *batch, int first, const int *in
 }
 
 /* Arms and speeds at the start, arms and normal in the middle. */
-static INLINE void meet_lane(struct block *b, int k, double step, int balls, int turns, struct meeting *to,
-                             struct course *c, struct motion *m) {
+static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int balls, int turns, struct meeting *to,
+                                   struct course *c, struct motion *m) {
     struct vec n = get(b->n, k), shift = get(b->shift, k), rush = get(b->rush, k), later_n = n;
     double d = b->overlap[k], along = vec_dot(rush, n), later_d = d - 0.5 * step * along;
     double apart = balls ? b->shift[3][k] - d : vec_dot(shift, n), later_apart = apart + 0.5 * step * along;
@@ -439,7 +441,8 @@ static INLINE void meet_lane(struct block *b, int k, double step, int balls, int
 }
 
 /* The acceleration that isn't the pair's own: the rest of what the bodies do, and the turning of arms and normal. */
-static INLINE void drive_lane(struct block *b, int k, double step, int turns, struct meeting *to, struct motion *m) {
+static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int turns, struct meeting *to,
+                                    struct motion *m) {
     struct vec n = get(b->n, k), later_n = get(to->later_n, k), rush = get(b->rush, k), last = get(to->last, k);
     double more = (0.15 - 0.5 * m->rate[k] * step) / 0.06, per_step = 1.0 / step;
     more = more > 0.0 ? more : 0.0;
@@ -469,14 +472,14 @@ static INLINE void drive_lane(struct block *b, int k, double step, int turns, st
 /* ---- scatter ---- */
 
 /* A vector of the tangent plane turns with the normal, from n to `later`. */
-static INLINE struct vec turn_over(struct vec v, struct vec axis, double cosine) {
+static SCREE_INLINE struct vec turn_over(struct vec v, struct vec axis, double cosine) {
     struct vec once = vec_cross(axis, v);
     return vec_axpy(vec_add(v, once), 1.0 / (1.0 + cosine), vec_cross(axis, once));
 }
 
 /* Impulses in the directions of mid-step; zero where there is no touch. */
-static INLINE void yield_lane(struct block *b, int k, int balls, int turns, struct meeting *at, struct course *c,
-                              struct scree_yield *yield, struct scree_moments *moments) {
+static SCREE_INLINE void yield_lane(struct block *b, int k, int balls, int turns, struct meeting *at, struct course *c,
+                                    struct scree_yield *yield, struct scree_moments *moments) {
     struct vec later = get(at->later_n, k), none = {0.0, 0.0, 0.0};
     int acts = (c->d[k] > 0.0) & (b->overlap[k] > 0.0);
     struct vec j = vec_scale(c->press[k], later), m = vec_scale(c->press_moment[k], later);
@@ -719,9 +722,9 @@ static uint32_t impel_few(const struct scree_contacts *contacts, const struct sc
     return odd;
 }
 
-static uint32_t impel(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                      const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
-                      struct scree_moments *moments) {
+uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                           const struct scree_batch *batch, int first, int count, double step,
+                           struct scree_yield *yield, struct scree_moments *moments) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct smooth_pass *pass = smooth_pass_of(rule, batch, first);
     enum scree_geometry geometry = batch->geometry;
@@ -757,8 +760,8 @@ static inline void load_rows(double (*column)[SCREE_LANES], int lane, scree_row 
 #endif
 
 /* Impulses of a block and their moments into the bodies, whose attitudes don't turn by them. */
-static void add_up(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns, int hosts,
-                   struct scree_yield *yield, struct scree_moments *moments) {
+void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
+                        int hosts, struct scree_yield *yield, struct scree_moments *moments) {
 #ifdef __AVX__
     for (int lane = 0; lane < count; lane += 4) {
         scree_row impulse[4], moment[4], turn_ball[4], turn_host[4];
@@ -792,5 +795,3 @@ static void add_up(struct scree_bodies *bodies, const struct scree_contact *cont
     }
 #endif
 }
-
-#endif
