@@ -59,30 +59,27 @@ static struct oracle_count try_block(int kind, long pairs, uint64_t seed) {
     return count;
 }
 
-static void add_count(struct oracle_count *sum, const struct oracle_count *count) {
-    sum->touching += count->touching;
-    sum->edges += count->edges;
-    sum->phantoms += count->phantoms;
-    sum->missed += count->missed;
-    sum->deeper += count->deeper;
-    sum->worst = fmax(sum->worst, count->worst);
-}
-
 /* Returns how many went wrong. */
 static long try_pairs(int kind, long pairs, uint64_t seed, int threads) {
-    struct oracle_count sum = {0};
-    long blocks = (pairs + BLOCK - 1) / BLOCK;
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    long blocks = (pairs + BLOCK - 1) / BLOCK, touching = 0, edges = 0, phantoms = 0, missed = 0, deeper = 0;
+    double worst = 0.0;
+    (void)threads; /* without OpenMP */
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : touching, edges, phantoms, missed, deeper) \
+    reduction(max : worst)
     for (long block = 0; block < blocks; block++) {
         long count = pairs - block * BLOCK < BLOCK ? pairs - block * BLOCK : BLOCK;
         struct oracle_count one = try_block(kind, count, seed_of(seed, (uint64_t)(block * KINDS + kind)));
-#pragma omp critical
-        add_count(&sum, &one);
+        touching += one.touching;
+        edges += one.edges;
+        phantoms += one.phantoms;
+        missed += one.missed;
+        deeper += one.deeper;
+        worst = fmax(worst, one.worst);
     }
     printf("%s,%g,%g,%ld,%ld,%ld,%ld,%ld,%ld,%.3g\n", kinds[kind].name, kinds[kind].roundness, kinds[kind].depth, pairs,
-           sum.touching, sum.edges, sum.phantoms, sum.missed, sum.deeper, sum.worst);
+           touching, edges, phantoms, missed, deeper, worst);
     fflush(stdout);
-    return sum.phantoms + sum.missed + sum.deeper;
+    return phantoms + missed + deeper;
 }
 
 /* ---- impacts ---- */
@@ -112,6 +109,7 @@ enum { IMPACTS = sizeof impacts / sizeof impacts[0] };
 
 static void try_impacts(int kind, long count, uint64_t seed, int threads) {
     long blocks = (count + BLOCK - 1) / BLOCK, met = 0, stopped = 0, gained = 0;
+    (void)threads; /* without OpenMP */
     double *squares = calloc((size_t)blocks + 1, sizeof *squares), largest = -1.0, least = HUGE_VAL, sum = 0.0;
     if (!squares) return;
 #pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : met, stopped, gained)                    \
