@@ -102,18 +102,17 @@ struct seeker {
     const struct scree_bodies *bodies;
     const struct grids *grids;
     struct scree_found *found;
-    int failed; /* no memory */
 };
 
 /* Take up the pair if its bounds and its materials meet. */
 static void add_pair(struct seeker *s, int i, int j) {
     struct scree_found *found = s->found;
     if (!bounds_meet(s->bodies, i, j, s->contacts->skin)) return;
-    if (s->failed || !scree_contacts_rule(s->contacts, s->bodies, i, j, NULL)) return;
+    if (found->failed || !scree_contacts_rule(s->contacts, s->bodies, i, j, NULL)) return;
     if (found->count == found->capacity) {
         int capacity = 64 + found->capacity + found->capacity / 2;
-        s->failed = !scree_enlarge(&found->pair, found->capacity, capacity, sizeof *found->pair);
-        if (s->failed) return;
+        found->failed = !scree_enlarge(&found->pair, found->capacity, capacity, sizeof *found->pair);
+        if (found->failed) return;
         found->capacity = capacity;
     }
     found->pair[found->count++] = (struct scree_body_pair){i < j ? i : j, i < j ? j : i};
@@ -229,9 +228,13 @@ static void sort_pairs(struct scree_contacts *contacts, int bodies) {
 }
 
 /* Room for all that was found. */
-static scree_status make_room(struct scree_contacts *contacts, int failed, scree_trouble *trouble) {
+static scree_status make_room(struct scree_contacts *contacts, scree_trouble *trouble) {
+    int failed = 0;
     contacts->pairs = 0;
-    for (int part = 0; part < SCREE_PARTS; part++) contacts->pairs += contacts->found[part].count;
+    for (int part = 0; part < SCREE_PARTS; part++) {
+        contacts->pairs += contacts->found[part].count;
+        failed |= contacts->found[part].failed;
+    }
     int capacity = contacts->pairs + contacts->pairs / 16 + 8;
     if (!failed && contacts->pairs > contacts->pair_capacity) {
         failed = !scree_enlarge(&contacts->pair, contacts->pair_capacity, capacity, sizeof *contacts->pair);
@@ -245,22 +248,20 @@ static scree_status make_room(struct scree_contacts *contacts, int failed, scree
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                               scree_trouble *trouble) {
     struct grids grids = choose_levels(contacts, bodies);
-    int failed = 0;
     (void)threads; /* without OpenMP */
     fill_cells(contacts, bodies, &grids);
     contacts->planes = 0;
     for (int k = 0; k < bodies->count; k++)
         if (!is_bounded(bodies, k)) contacts->plane[contacts->planes++] = k;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(| : failed) if (threads > 1)
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++) {
-        struct seeker seeker = {contacts, bodies, &grids, &contacts->found[part], 0};
+        struct seeker seeker = {contacts, bodies, &grids, &contacts->found[part]};
         long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
-        seeker.found->count = 0;
+        seeker.found->count = seeker.found->failed = 0;
         for (int k = (int)from; k < to; k++)
             if (is_bounded(bodies, k)) look(&seeker, k);
-        failed |= seeker.failed;
     }
-    scree_status status = make_room(contacts, failed, trouble);
+    scree_status status = make_room(contacts, trouble);
     if (status) return status;
     sort_pairs(contacts, bodies->count);
     return SCREE_OK;

@@ -159,6 +159,7 @@ enum { SCREE_PARTS = 32 };
 struct scree_found {
     struct scree_body_pair *pair;
     int count, capacity;
+    int failed; /* no memory */
 };
 
 /* A body that returns into the periodic box: it is `periods` beyond it. */
