@@ -119,7 +119,8 @@ done
 
 median() { sort -g | awk '{ v[NR] = $1 } END { printf "%.4g", NR % 2 ? v[(NR + 1) / 2] : (v[NR / 2] + v[NR / 2 + 1]) / 2 }'; }
 grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: /# /'
-echo "scene,program,steps,rounds,ns_per_sphere_step,times_scree,$("$look" look $kind.toml | head -n 1)"
+# shellcheck disable=SC2046
+echo "scene,program,steps,rounds,ns_per_sphere_step,times_scree,$("$look" look $kind.toml $(sizes) | head -n 1)"
 for program in $programs; do
     time=$(awk -F, -v p=$program -v n="$spheres" -v s="$steps" '$2 == p { print $3 / n / s * 1e9 }' times.csv | median)
     ratio=$(awk -F, -v p=$program '$2 == "scree" { own[$1] = $3 } $2 == p && own[$1] { print $3 / own[$1] }' times.csv | median)
