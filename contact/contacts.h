@@ -298,6 +298,15 @@ struct scree_touch {
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
                            int index, struct scree_touch *touch);
 
+/* What contact `index` of batch `batch` does within a step if it goes on as at the instant of the records, N s and N m s; `ball` is -1 if
+ * it doesn't touch. Changes nothing. */
+struct scree_kick {
+    int ball, host;
+    struct vec impulse, turn_ball, turn_host; /* the first on the ball, the opposite on the host */
+};
+struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
+                                 int index, double step);
+
 /* Leave in the records the impulses that contacts give at their instant within a step, for the start of a run: from them the first
  * step predicts its velocities, and bodies that begin at rest in touch stay at rest. */
 void scree_contacts_begin(const struct scree_contacts *contacts, struct scree_bodies *bodies, double step);

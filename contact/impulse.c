@@ -571,22 +571,15 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
     for (int b = 0; b < contacts->batches; b++) {
         struct scree_batch *batch = &contacts->batch[b];
         for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) {
-            struct scree_touch touch;
-            if (!scree_contacts_measure(contacts, now, b, k, &touch)) continue;
-            struct vec force = vec_axpy(touch.tangential, touch.normal_force, touch.normal);
-            struct vec impulse = vec_scale(step, force);
-            struct vec ball_arm = vec_sub(touch.point, vec_from(now->record[touch.ball].x));
-            struct vec host_arm = vec_add(ball_arm, scree_apart(now, &batch->contact[k], batch->geometry));
-            int turns = scree_contact_turns(batch, &batch->contact[k]);
-            struct vec ball_turn = vec_scale(turns, vec_cross(ball_arm, impulse));
-            struct vec host_turn = vec_scale(turns, vec_cross(impulse, host_arm));
+            struct scree_kick kick = scree_kick_now(contacts, now, b, k, step);
+            if (kick.ball < 0) continue;
             for (int s = 0; s < 2; s++) {
-                struct scree_past *ball = &bodies->past[touch.ball], *host = &bodies->past[touch.host];
-                vec_store(vec_add(vec_from(ball->f[s]), impulse), ball->f[s]);
-                vec_store(vec_sub(vec_from(host->f[s]), impulse), host->f[s]);
-                vec_store(vec_add(vec_from(ball->t[s]), ball_turn), ball->t[s]);
-                vec_store(vec_add(vec_from(host->t[s]), host_turn), host->t[s]);
-                keep_past(batch, s, k, impulse);
+                struct scree_past *ball = &bodies->past[kick.ball], *host = &bodies->past[kick.host];
+                vec_store(vec_add(vec_from(ball->f[s]), kick.impulse), ball->f[s]);
+                vec_store(vec_sub(vec_from(host->f[s]), kick.impulse), host->f[s]);
+                vec_store(vec_add(vec_from(ball->t[s]), kick.turn_ball), ball->t[s]);
+                vec_store(vec_add(vec_from(host->t[s]), kick.turn_host), host->t[s]);
+                keep_past(batch, s, k, kick.impulse);
             }
         }
     }

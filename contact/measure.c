@@ -114,21 +114,34 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     return 1;
 }
 
+struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                 int batch_index, int index, double step) {
+    const struct scree_batch *batch = &contacts->batch[batch_index];
+    struct scree_kick kick = {.ball = -1};
+    struct scree_touch touch;
+    if (!scree_contacts_measure(contacts, bodies, batch_index, index, &touch)) return kick;
+    struct vec arm = vec_sub(touch.point, vec_from(bodies->record[touch.ball].x));
+    struct vec host_arm = vec_add(arm, scree_apart(bodies, &batch->contact[index], batch->geometry));
+    int turns = scree_contact_turns(batch, &batch->contact[index]);
+    kick.ball = touch.ball;
+    kick.host = touch.host;
+    kick.impulse = vec_scale(step, vec_axpy(touch.tangential, touch.normal_force, touch.normal));
+    kick.turn_ball = vec_scale(turns, vec_cross(arm, kick.impulse));
+    kick.turn_host = vec_scale(turns, vec_cross(kick.impulse, host_arm));
+    return kick;
+}
+
 void scree_contacts_begin(const struct scree_contacts *contacts, struct scree_bodies *bodies, double step) {
     for (int b = 0; b < contacts->batches; b++) {
         const struct scree_batch *batch = &contacts->batch[b];
         for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) {
-            struct scree_touch touch;
-            if (!scree_contacts_measure(contacts, bodies, b, k, &touch)) continue;
-            struct scree_record *ball = &bodies->record[touch.ball], *host = &bodies->record[touch.host];
-            struct vec impulse = vec_scale(step, vec_axpy(touch.tangential, touch.normal_force, touch.normal));
-            struct vec arm = vec_sub(touch.point, vec_from(ball->x));
-            struct vec host_arm = vec_add(arm, scree_apart(bodies, &batch->contact[k], batch->geometry));
-            int turns = scree_contact_turns(batch, &batch->contact[k]);
-            vec_store(vec_add(vec_from(ball->f), impulse), ball->f);
-            vec_store(vec_sub(vec_from(host->f), impulse), host->f);
-            vec_store(vec_axpy(vec_from(ball->t), turns, vec_cross(arm, impulse)), ball->t);
-            vec_store(vec_axpy(vec_from(host->t), turns, vec_cross(impulse, host_arm)), host->t);
+            struct scree_kick kick = scree_kick_now(contacts, bodies, b, k, step);
+            if (kick.ball < 0) continue;
+            struct scree_record *ball = &bodies->record[kick.ball], *host = &bodies->record[kick.host];
+            vec_store(vec_add(vec_from(ball->f), kick.impulse), ball->f);
+            vec_store(vec_sub(vec_from(host->f), kick.impulse), host->f);
+            vec_store(vec_add(vec_from(ball->t), kick.turn_ball), ball->t);
+            vec_store(vec_add(vec_from(host->t), kick.turn_host), host->t);
         }
     }
 }

@@ -44,12 +44,20 @@ for n in $(seq "$starts"); do
     "$here/peers.sh" "$build" "$scene" 1 "$steps" "$work/start.csv" $programs | sed 1d | tee -a "$work/rows.csv" >&2
 done
 grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: /# /'
-awk -F, '$1 == "scene" { if (!columns) { columns = NF; for (k = 8; k <= NF; k++) name[k] = $k }; next }
-    { if (!($2 in n)) order[++programs] = $2; n[$2]++; for (k = 8; k <= NF; k++) { sum[$2, k] += $k; square[$2, k] += $k * $k } }
+awk -F, 'FNR == 1 { columns = NF; for (k = 8; k <= NF; k++) name[k] = $k }
+    $1 != "scene" {
+        if (!($2 in runs)) order[++programs] = $2
+        runs[$2]++
+        for (k = 8; k <= NF; k++) { sum[$2, k] += $k; square[$2, k] += $k * $k }
+    }
     END {
         print "program,starts,quantity,mean,deviation"
-        for (p = 1; p <= programs; p++) for (k = 8; k <= columns; k++) {
-            one = order[p]; mean = sum[one, k] / n[one]; spread = square[one, k] / n[one] - mean * mean
-            printf "%s,%d,%s,%.7g,%.2g\n", one, n[one], name[k], mean, n[one] > 1 && spread > 0 ? sqrt(spread * n[one] / (n[one] - 1)) : 0
-        }
+        for (p = 1; p <= programs; p++)
+            for (k = 8; k <= columns; k++) {
+                n = runs[order[p]]
+                mean = sum[order[p], k] / n
+                spread = square[order[p], k] / n - mean * mean
+                deviation = (n > 1 && spread > 0) ? sqrt(spread * n / (n - 1)) : 0
+                printf "%s,%d,%s,%.7g,%.2g\n", order[p], n, name[k], mean, deviation
+            }
     }' "$work/rows.csv"
