@@ -70,7 +70,7 @@ static const char script[] =
     "}\n"
     "unset multiplot\n";
 
-enum { INTEGRATORS = 3, STEPS = 10, PHASES = 64, MANY = 1024, MANY_PHASES = 32, PARTS = 4 };
+enum { INTEGRATORS = 3, STEPS = 14, PHASES = 64, MANY = 1024, MANY_PHASES = 32, PARTS = 4 };
 
 static const struct {
     const char *name, *choice, *substeps;
@@ -80,7 +80,7 @@ static const struct {
     {"pair-impulse x4", "time.integrator=\"pair-impulse\"", "time.substeps=4"},
 };
 
-static const double per_contact[STEPS] = {10, 12, 15, 20, 30, 50, 100, 200, 350, 500};
+static const double per_contact[STEPS] = {2, 3, 5, 8, 10, 12, 15, 20, 30, 50, 100, 200, 350, 500};
 
 /* `only` 0: all steps. */
 static int wanted(int k, double only) { return only <= 0.0 || per_contact[k] == only; }

@@ -60,8 +60,9 @@ struct scree_yield {
     double work_tangential; /* J done against friction during the step (if measured) */
 };
 
-/* What the pair-impulse method yields beside it, and keeps of each contact: the impulses of the last two steps, N s. */
-enum { SCREE_PAST = 6 };
+/* What the pair-impulse method yields beside it, and keeps of each contact: the impulse of the last step, N s, and the overlap (m) that
+ * its friction had on the mean, which tells the lever; then those of the step before. */
+enum { SCREE_PAST_DEPTH = 3, SCREE_PAST_STEP = 4, SCREE_PAST = 2 * SCREE_PAST_STEP };
 
 struct scree_moments {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES]; /* N s^2, N m s^2 */
@@ -302,6 +303,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
  * it doesn't touch. Changes nothing. */
 struct scree_kick {
     int ball, host;
+    double overlap;                           /* m */
     struct vec impulse, turn_ball, turn_host; /* the first on the ball, the opposite on the host */
 };
 struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,

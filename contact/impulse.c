@@ -149,7 +149,6 @@ static struct scree_pair_motion laws_of(const struct scree_contacts *contacts, s
     p.trial = p.friction && p.friction->slider && p.friction->damping(p.friction_law, p.friction_pair, 1.0) == 0.0;
     p.turns = !p.normal->turns_smoothly || (p.friction && p.friction->rescaled);
     p.books = contacts->measured;
-    p.substeps = contacts->substeps ? contacts->substeps : p.friction ? 2 : 1;
     return p;
 }
 
@@ -179,6 +178,22 @@ static double extrapolation(const struct scree_pair_motion *p, const struct scre
         rate = fmax(rate, slope * p->sideways_give);
     }
     return fmin(fmax((0.15 - 0.5 * rate * p->step) / 0.06, 0.0), 1.0);
+}
+
+/* Pieces of a step for a stiff contact, as in lane.h: a quarter of 1/w at most. */
+static int pieces_for(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    struct scree_pair_instant touching = *at;
+    struct scree_pair_load load;
+    double closing = -vec_dot(at->velocity, p->n);
+    if (!(touching.overlap > 0.0)) touching.overlap = p->step * fabs(closing) + SCREE_NO_SPEED;
+    scree_pair_press(p, &touching, &load);
+    double damped = load.damping * p->normal_give, elastic = fabs(load.normal - load.damping * closing);
+    double stiff = fmax(damped * damped, 1.5 * elastic / touching.overlap * p->normal_give);
+    if (p->friction) {
+        double spring = p->friction->stiffness(p->friction_law, p->friction_pair, touching.overlap);
+        stiff = fmax(stiff, spring * p->sideways_give);
+    }
+    return 1 + (int)fmin(4.0 * p->step * sqrt(stiff), 63.0);
 }
 
 static struct scree_pair_instant instant_of(const struct scree_pair_motion *p, struct place place, struct view now,
@@ -220,12 +235,13 @@ static void put(double column[3][SCREE_LANES], int lane, struct vec a) {
 }
 
 static struct vec past_of(const struct scree_batch *batch, int step, int k) {
-    double *const *past = batch->past + 3 * step;
+    double *const *past = batch->past + SCREE_PAST_STEP * step;
     return vec(past[0][k], past[1][k], past[2][k]);
 }
 
-static void keep_past(const struct scree_batch *batch, int step, int k, struct vec impulse) {
-    double *const *past = batch->past + 3 * step;
+static void keep_past(const struct scree_batch *batch, int step, int k, struct vec impulse, double depth) {
+    double *const *past = batch->past + SCREE_PAST_STEP * step;
+    past[SCREE_PAST_DEPTH][k] = depth;
     past[0][k] = impulse.x;
     past[1][k] = impulse.y;
     past[2][k] = impulse.z;
@@ -233,7 +249,7 @@ static void keep_past(const struct scree_batch *batch, int step, int k, struct v
 
 /* Impulse and moment on both bodies, in the directions of mid-step. */
 static void write_yield(const struct scree_pair_yield *sum, struct view middle, struct vec impulse, struct vec moment,
-                        struct place place) {
+                        int rubs, struct place place) {
     struct scree_yield *yield = place.yield;
     struct scree_moments *moments = place.moments;
     int lane = place.lane;
@@ -249,8 +265,9 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
     put(moments->impulse, lane, vec_axpy(moment, m, middle.lean));
     put(moments->turn_ball, lane, vec_axpy(vec_cross(middle.arm, moment), m, middle.turn_ball));
     put(moments->turn_host, lane, vec_axpy(vec_cross(moment, host_arm), m, middle.turn_host));
-    keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index));
-    keep_past(place.batch, 0, place.index, impulse);
+    double before = place.batch->past[SCREE_PAST_DEPTH][place.index];
+    keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index), before);
+    keep_past(place.batch, 0, place.index, impulse, rubs && vec_norm2(impulse) > 0.0 ? middle.overlap : 0.0);
     yield->lost_normal += sum->lost;
     yield->work_tangential += sum->rubbed;
 }
@@ -399,6 +416,8 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     int covered = ball.leans && now.overlap == 0.0; /* corners bear all; the plain normal would foretell a touch */
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p->normal_give > 0.0 && !covered) {
         double more = extrapolation(p, &o->at);
+        int pieces = pieces_for(p, &o->at);
+        p->substeps = contacts->substeps ? contacts->substeps * pieces : p->friction && pieces < 2 ? 2 : pieces;
         struct vec last = past_of(batch, 0, place.index);
         struct vec own = vec_axpy(last, more, vec_sub(last, past_of(batch, 1, place.index)));
         p->a = vec_sub(acceleration(&ball, own, more, step), acceleration(&host, own, more, step));
@@ -424,7 +443,7 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     }
     keep(&o.p, place, &o.at);
     struct vec now = o.now.normal, middle = o.middle.normal, impulse = turn_along(o.sum.impulse, now, middle);
-    write_yield(&o.sum, o.middle, impulse, turn_along(o.sum.moment, now, middle), place);
+    write_yield(&o.sum, o.middle, impulse, turn_along(o.sum.moment, now, middle), o.p.friction != NULL, place);
     roll(contacts, bodies, place, o.middle, vec_dot(impulse, middle) / step, o.at.overlap > 0.0, step);
     double steep = batch->slope * vec_dot(impulse, middle) * 4.0 * (a->inverse_mass + b->inverse_mass);
     place.yield->steep[place.lane] = steep;
@@ -579,7 +598,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
                 vec_store(vec_sub(vec_from(host->f[s]), kick.impulse), host->f[s]);
                 vec_store(vec_add(vec_from(ball->t[s]), kick.turn_ball), ball->t[s]);
                 vec_store(vec_add(vec_from(host->t[s]), kick.turn_host), host->t[s]);
-                keep_past(batch, s, k, kick.impulse);
+                keep_past(batch, s, k, kick.impulse, contacts->rule[batch->rule].friction >= 0 ? kick.overlap : 0.0);
             }
         }
     }

@@ -125,6 +125,7 @@ struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const st
     int turns = scree_contact_turns(batch, &batch->contact[index]);
     kick.ball = touch.ball;
     kick.host = touch.host;
+    kick.overlap = touch.overlap;
     kick.impulse = vec_scale(step, vec_axpy(touch.tangential, touch.normal_force, touch.normal));
     kick.turn_ball = vec_scale(turns, vec_cross(arm, kick.impulse));
     kick.turn_host = vec_scale(turns, vec_cross(kick.impulse, host_arm));

@@ -1,54 +1,18 @@
-/* Contacts that go through a step of the pair-impulse method without an event, several at once: both bodies are spheres, or one is
- * frozen, they touch at the start of the step and at its end, nothing begins, ends, turns round or breaks loose in it, and force
- * is smooth all along. What they do then is what within.c does, in numbers instead of matrices: of two spheres
+/* Contacts of two spheres, or of one with a plane or a frozen sphere, that go through a step of the pair-impulse method several at
+ * once. What they do is what within.c does, in numbers instead of matrices (lane.h): contact begins, breaks loose, turns round and
+ * ends inside the step, and each of these instants is located; those to which one of them happens are drawn together and go on by
+ * themselves.
  *
- *   W F = (1/m_a + 1/m_b) F + (l_a^2/I_a + l_b^2/I_b) F_t,    l: from the centre to the contact, F_t: F in the tangent plane.
- *
- * All others are left to within.c. Which they are is decided for each contact by its own numbers, so that no bit depends on its
- * neighbours in the list, on threads or on the processor. Compiled once for each kind of processor, as loop.c is. */
-#include "contact/block.h"
+ * Few are left to within.c: contacts that overlap still after their end, that are thrown back before they touch, and those of
+ * friction where a root begins. Which they are, and all that becomes of the others, is decided for each contact by its own numbers, so
+ * that no bit depends on its neighbours in the list, on threads or on the processor. Compiled once for each kind of processor, as
+ * loop.c is. */
+#include "contact/lane.h"
 #include "contact/law_list.h"
 #include "contact/loop.h"
 
 #include <stddef.h>
 #include <string.h>
-
-typedef struct scree_normal_force press_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                            struct scree_pressing at);
-typedef struct scree_tangential rub_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                        struct scree_sliding at);
-typedef double at_overlap(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
-
-/* The laws of a pass: constants where it is called, so that each pass is a loop of its own. */
-struct smooth_laws {
-    press_law *press;
-    rub_law *rub; /* NULL: no friction */
-    at_overlap *stiffness, *damping;
-    int cut, root, memory, turns_smoothly;
-    int bare; /* friction is a slider behind a bare spring */
-};
-
-/* Columns of what stays during a step. */
-struct motion {
-    double closing[SCREE_LANES];  /* acceleration that isn't the pair's own: closing, m/s^2 */
-    double aside[3][SCREE_LANES]; /* and in the tangent plane */
-    double give[SCREE_LANES],
-        give_aside[SCREE_LANES]; /* acceleration per force, along the normal and across it, 1/kg */
-    double rate[SCREE_LANES];    /* of damping, 1/s */
-    double pair[SCREE_PAIR_LEVER][SCREE_LANES];
-};
-
-/* Columns of what goes on: the state, what the contact has yielded so far (along the normal, and in the tangent plane), and
- * what is to be said of it. */
-struct course {
-    double d[SCREE_LANES], u[SCREE_LANES];       /* overlap, m; closing speed, m/s */
-    double v[3][SCREE_LANES], s[3][SCREE_LANES]; /* tangential velocity of the ball, m/s; friction's memory */
-    double slides[SCREE_LANES];
-    double press[SCREE_LANES], press_moment[SCREE_LANES];   /* N s, N s^2 */
-    double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES]; /* N s, N s^2 */
-    double odd[SCREE_LANES];                                /* 1: there is an event */
-    double coarse[SCREE_LANES];                             /* 1: one step of Runge-Kutta isn't enough */
-};
 
 /* Copies lanes of columns. */
 static void pick_lanes(const void *from, const int *lane, int count, size_t size, void *to) {
@@ -65,272 +29,131 @@ static void return_lanes(const void *from, const int *lane, int count, size_t si
         for (int i = 0; i < count; i++) target[c + (size_t)lane[i]] = source[c + (size_t)i];
 }
 
-/* ---- one step of Runge and Kutta ---- */
-
-/* An instant inside the step. */
-struct stage {
-    double d, u, normal;
-    struct vec v, s, force;
-    double slides;
-};
-
-static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at, double normal, double time) {
-    return (struct scree_sliding){.normal = normal > 0.0 ? normal : 0.0,
-                                  .overlap = at->d,
-                                  .closing = at->u,
-                                  .half = 0.5 * time,
-                                  .velocity = at->v,
-                                  .stretch = at->s,
-                                  .sliding = at->slides};
-}
-
-/* One lane's laws with their constants. */
-struct smooth_lane {
-    const struct scree_law_constants *normal, *friction;
-    struct scree_pair_constants normal_pair, friction_pair;
-};
-
-static SCREE_INLINE void press_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    struct scree_pressing pressing = {at->d, at->u, 0.0, 0.0};
-    struct scree_normal_force f = laws.press(lane->normal, lane->normal_pair, pressing);
-    at->normal = f.elastic + f.damping * at->u;
-}
-
-/* Friction at a stage, whose own memory is cut to what holds there. */
-static SCREE_INLINE void rub_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    struct scree_tangential f = laws.rub(lane->friction, lane->friction_pair, sliding_at(at, at->normal, 0.0));
-    at->force = f.force;
-    if (!laws.memory) return;
-    at->s = f.stretch;
-    at->slides = f.sliding;
-}
-
-/* The memory of friction that was that of `from`, after `time` at the velocity and overlap of `at`. */
-static SCREE_INLINE void drag_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *from,
-                                    const struct stage *at, double normal, double time, struct stage *to) {
-    if (!laws.memory) return;
-    struct scree_sliding sliding = sliding_at(at, laws.bare ? 1e200 : normal, time);
-    sliding.stretch = from->s;
-    sliding.sliding = laws.bare ? 0.0 : from->slides;
-    struct scree_tangential f = laws.rub(lane->friction, lane->friction_pair, sliding);
-    to->s = f.stretch;
-    to->slides = laws.bare ? from->slides : f.sliding;
-}
-
-/* The stage that follows from the rates of `at`. */
-static SCREE_INLINE struct stage go_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m,
-                                          int k, const struct stage *first, const struct stage *at, double time) {
-    struct stage to = *first;
-    to.d = first->d + time * at->u;
-    to.u = first->u + time * (m->closing[k] - m->give[k] * at->normal);
-    press_stage(laws, lane, &to);
-    if (!laws.rub) return to;
-    to.v = vec_axpy(first->v, time, vec_axpy(get(m->aside, k), m->give_aside[k], at->force));
-    drag_stage(laws, lane, first, at, to.normal, time, &to);
-    rub_stage(laws, lane, &to);
-    return to;
-}
-
-/* What friction remembers at the end, whose overlap and speeds are set. */
-static SCREE_INLINE void finish_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *a,
-                                      const struct stage *b, const struct stage *c, const struct stage *d, double time,
-                                      struct stage *end) {
-    if (!laws.memory) return;
-    if (laws.bare) { /* Runge-Kutta's sum, with the stiffness of each stage */
-        drag_stage(laws, lane, end, a, 0.0, time / 6.0, end);
-        drag_stage(laws, lane, end, b, 0.0, time / 3.0, end);
-        drag_stage(laws, lane, end, c, 0.0, time / 3.0, end);
-        drag_stage(laws, lane, end, d, 0.0, time / 6.0, end);
-        return;
-    }
-    struct stage mean = *c;
-    mean.u = (a->u + 2.0 * (b->u + c->u) + d->u) / 6.0;
-    mean.v = vec_scale(1.0 / 6.0, vec_axpy(vec_add(a->v, d->v), 2.0, vec_add(b->v, c->v)));
-    drag_stage(laws, lane, a, &mean, c->normal, time, end);
-}
-
-/* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular frequency w errs by about
- * (w h)^3/60 times the change of acceleration x h from the first stage to the second. What slides keeps its two: its memory is of lower order. */
-static SCREE_INLINE double coarse_at(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m, int k,
-                                     const struct stage *a, const struct stage *b, const struct stage *c,
-                                     const struct stage *d, const struct stage *end, double time) {
-    const double tolerance = 60.0 * 1e-7;
-    double damped = m->rate[k] * time, deep = a->d + SCREE_NO_SPEED;
-    double stiff = time * time * (m->give[k] * 1.5 * fabs(a->normal) / deep);
-    double across = time * time * m->give_aside[k] * laws.stiffness(lane->friction, lane->friction_pair, a->d);
-    stiff = across > stiff ? across : stiff;
-    stiff = damped * damped > stiff ? damped * damped : stiff;
-    double first = time * m->give[k] * (b->normal - a->normal), then = time * m->give[k] * (c->normal - b->normal);
-    double change = first * first + then * then +
-                    time * time * m->give_aside[k] * m->give_aside[k] *
-                        (vec_norm2(vec_sub(b->force, a->force)) + vec_norm2(vec_sub(c->force, b->force)));
-    double speed = a->u * a->u + vec_norm2(a->v) + a->d * a->d * (stiff / (time * time));
-    int fine = stiff * stiff * stiff * change <= tolerance * tolerance * speed;
-    double slides = a->slides + b->slides + c->slides + d->slides + end->slides;
-    fine &= !(slides > 0.0);
-    return fine ? 0.0 : 1.0;
-}
-
-/* One lane goes on by `time`; `left` is left after it. */
-static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
-                                   double time, double left, struct course *c) {
-    struct smooth_lane lane = {
-        .normal = &rule->normal_constants,
-        .friction = &rule->friction_constants,
-        .normal_pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}},
-        .friction_pair = {{m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}}};
-    struct stage first = {.d = c->d[k], .u = c->u[k]};
-    if (laws.rub) {
-        first.v = get(c->v, k);
-        first.s = get(c->s, k);
-        first.slides = c->slides[k];
-    }
-    double slid = first.slides;
-    press_stage(laws, &lane, &first);
-    if (laws.rub) rub_stage(laws, &lane, &first);
-    struct stage second = go_stage(laws, &lane, m, k, &first, &first, 0.5 * time);
-    struct stage third = go_stage(laws, &lane, m, k, &first, &second, 0.5 * time);
-    struct stage fourth = go_stage(laws, &lane, m, k, &first, &third, time);
-    double inner = second.normal + third.normal, share = time * (1.0 / 6.0);
-    double impulse = share * ((first.normal + fourth.normal) + 2.0 * inner);
-    double moment = share * time * (first.normal + inner);
-    struct stage end = first;
-    end.u = first.u + (time * m->closing[k] - m->give[k] * impulse);
-    end.d = first.d + (time * first.u + (0.5 * time * time * m->closing[k] - m->give[k] * moment));
-    c->press_moment[k] += moment + left * impulse;
-    c->press[k] += impulse;
-    int odd = !(end.d > 0.0) | !(first.d > 0.0);
-    if (!laws.turns_smoothly) odd |= (first.u > 0.0) & (end.u < 0.0) & (first.u * time > 1e-12 * first.d);
-    if (laws.cut) odd |= !(first.normal > 0.0);
-    if (laws.root >= 2) { /* near a begin or an end, where force isn't smooth */
-        double rest = time + left;
-        odd |= (first.u > 0.0) & (first.d < 6.0 * rest * first.u);
-        if (!laws.cut) odd |= (first.u < 0.0) & (first.d < -7.0 * rest * first.u);
-    }
-    if (laws.rub) {
-        struct vec between = vec_add(second.force, third.force);
-        struct vec rub = vec_scale(share, vec_axpy(vec_add(first.force, fourth.force), 2.0, between));
-        struct vec rub_moment = vec_scale(share * time, vec_add(first.force, between));
-        end.v = vec_add(first.v, vec_axpy(vec_scale(time, get(m->aside, k)), m->give_aside[k], rub));
-        finish_stage(laws, &lane, &first, &second, &third, &fourth, time, &end);
-        put(c->rub_moment, k, vec_add(get(c->rub_moment, k), vec_axpy(rub_moment, left, rub)));
-        put(c->rub, k, vec_add(get(c->rub, k), rub));
-        put(c->v, k, end.v);
-        put(c->s, k, end.s);
-        c->slides[k] = end.slides;
-        c->coarse[k] = coarse_at(laws, &lane, m, k, &first, &second, &third, &fourth, &end, time);
-    }
-    if (laws.cut || laws.bare) press_stage(laws, &lane, &end);
-    if (laws.cut) odd |= end.normal < 0.0;
-    if (laws.bare) {
-        rub_stage(laws, &lane, &end); /* a slider that has held doesn't any more */
-        odd |= end.slides > slid;
-    }
-    c->d[k] = end.d;
-    c->u[k] = end.u;
-    c->odd[k] = odd ? 1.0 : c->odd[k];
-}
-
-/* The rate at which the contact damps at its start. */
-static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, int k,
-                                   struct course *c, struct motion *m) {
-    struct scree_pair_constants normal = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
-    struct scree_pair_constants friction = {
-        {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
-    double d = c->d[k] > 0.0 ? c->d[k] : 0.0, u = c->u[k];
-    struct scree_normal_force f = laws.press(&rule->normal_constants, normal, (struct scree_pressing){d, u, 0.0, 0.0});
-    double force = f.elastic + f.damping * u, rate = f.damping * m->give[k];
-    if (laws.rub) {
-        double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(&rule->friction_constants, friction, d);
-        double across = 2.0 * m->give_aside[k] * steep;
-        rate = across > rate ? across : rate;
-    }
-    m->rate[k] = rate;
-}
-
 /* ---- passes ---- */
 
-struct smooth_pass {
-    void (*rates)(const struct scree_rule *rule, double slope, int count, struct course *c, struct motion *m);
-    void (*step)(const struct scree_rule *rule, struct motion *m, int count, double time, double left,
-                 struct course *c);
+/* Loops over lanes with the laws in them. */
+struct smooth_loops {
+    void (*rates)(const struct scree_rule *rule, double slope, double step, int asked, int count, struct course *c,
+                  struct motion *m);
+    void (*go)(const struct scree_rule *rule, struct motion *m, int count, double step, struct course *c,
+               struct stride *to);
+    void (*tick)(const struct scree_rule *rule, struct motion *m, int count, double step, struct course *c,
+                 struct stride *to);
 };
 
+#define SMOOTH_LOOP(...)                                                                                               \
+    _Pragma("omp simd")                                                                                                \
+    for (int k = 0; k < padded(count); k++) __VA_ARGS__
 #define SMOOTH_PASS(name, ...)                                                                                         \
-    __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, int count,   \
-                                                             struct course *c, struct motion *m) {                     \
-        _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) rate_lane((struct smooth_laws){__VA_ARGS__}, rule, slope, k, c, m);    \
+    __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, double step, \
+                                                             int asked, int count, struct course *c,                   \
+                                                             struct motion *m) {                                       \
+        SMOOTH_LOOP(rate_lane((struct smooth_laws){__VA_ARGS__}, rule, slope, step, asked, k, c, m);)                  \
     }                                                                                                                  \
-    __attribute__((flatten)) static void smooth_step_##name(const struct scree_rule *rule, struct motion *m,           \
-                                                            int count, double time, double left, struct course *c) {   \
+    __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct motion *m, int count,  \
+                                                          double step, struct course *c, struct stride *to) {          \
         struct scree_rule constants = *rule;                                                                           \
-        _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++)                                                                        \
-            step_lane((struct smooth_laws){__VA_ARGS__}, &constants, m, k, time, left, c);                             \
+        SMOOTH_LOOP(step_lane((struct smooth_laws){__VA_ARGS__}, &constants, m, k, step, c, to);)                      \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void smooth_tick_##name(const struct scree_rule *rule, struct motion *m,           \
+                                                            int count, double step, struct course *c,                  \
+                                                            struct stride *to) {                                       \
+        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
+        struct scree_rule constants = *rule;                                                                           \
+        if (laws.root < 2 || (laws.rub && !laws.bare)) return; /* nobody asks for it */                                \
+        SMOOTH_LOOP(tick_lane(laws, &constants, m, k, step, c, to);)                                                   \
     }
 
 #define SMOOTH_ALONE(word)                                                                                             \
-    SMOOTH_PASS(word, .press = normal_##word##_force, .cut = scree_normal_##word.cut,                                  \
-                .root = scree_normal_##word.root, .turns_smoothly = scree_normal_##word.turns_smoothly)
+    SMOOTH_PASS(word, .press = normal_##word##_force, .cut = scree_normal_##word.cut, .root = scree_normal_##word.root)
 SCREE_NORMAL_LAWS(SMOOTH_ALONE)
 
 /* Laws that go together get a pass; of others every contact is left to within.c. */
 #define SMOOTH_PAIRS(PAIR)                                                                                             \
     PAIR(linear, coulomb)                                                                                              \
     PAIR(linear_cut, coulomb)                                                                                          \
+    PAIR(hertz, coulomb)                                                                                               \
+    PAIR(hunt_crossley, coulomb)                                                                                       \
+    PAIR(tsuji_cut, coulomb)                                                                                           \
     PAIR(hertz, mindlin)                                                                                               \
     PAIR(tsuji, mindlin)                                                                                               \
     PAIR(tsuji_cut, mindlin)
 #define LARGER_ROOT(one, other) (one > other ? one : other)
 #define SMOOTH_TOGETHER(one, other, how, is_bare)                                                                      \
-    SMOOTH_PASS(                                                                                                       \
-        one##_##other##how, .press = normal_##one##_force, .rub = friction_##other##_force,                            \
-        .stiffness = scree_friction_##other.stiffness, .damping = scree_friction_##other.damping,                      \
-        .cut = scree_normal_##one.cut, .root = LARGER_ROOT(scree_normal_##one.root, scree_friction_##other.root),      \
-        .memory = scree_friction_##other.memory,                                                                       \
-        .turns_smoothly = scree_normal_##one.turns_smoothly && !scree_friction_##other.rescaled, .bare = is_bare)
+    SMOOTH_PASS(one##_##other##how, .press = normal_##one##_force, .rub = friction_##other##_force,                    \
+                .hold = other##_hold, .stiffness = scree_friction_##other.stiffness,                                   \
+                .damping = scree_friction_##other.damping, .cut = scree_normal_##one.cut,                              \
+                .root = LARGER_ROOT(scree_normal_##one.root, scree_friction_##other.root),                             \
+                .memory = scree_friction_##other.memory, .bare = is_bare)
 #define SMOOTH_BOTH(one, other) SMOOTH_TOGETHER(one, other, _bare, 1) SMOOTH_TOGETHER(one, other, _damped, 0)
 SMOOTH_PAIRS(SMOOTH_BOTH)
 
-#define ENTRY(word) {smooth_rates_##word, smooth_step_##word},
-static const struct smooth_pass smooth_alone[] = {SCREE_NORMAL_LAWS(ENTRY)};
+#define ENTRY(word) {smooth_rates_##word, smooth_go_##word, smooth_tick_##word},
+static const struct smooth_loops smooth_alone[] = {SCREE_NORMAL_LAWS(ENTRY)};
 #undef ENTRY
 #define ENTRY(one, other)                                                                                              \
     {NORMAL_##one,                                                                                                     \
      FRICTION_##other,                                                                                                 \
-     {{smooth_rates_##one##_##other##_damped, smooth_step_##one##_##other##_damped},                                   \
-      {smooth_rates_##one##_##other##_bare, smooth_step_##one##_##other##_bare}}},
+     {{smooth_rates_##one##_##other##_damped, smooth_go_##one##_##other##_damped,                                      \
+       smooth_tick_##one##_##other##_damped},                                                                          \
+      {smooth_rates_##one##_##other##_bare, smooth_go_##one##_##other##_bare, smooth_tick_##one##_##other##_bare}}},
 static const struct {
     int normal, friction;
-    struct smooth_pass pass[2]; /* with a dashpot; without */
+    struct smooth_loops loops[2]; /* with a dashpot; without */
 } smooth_pairs[] = {SMOOTH_PAIRS(ENTRY)};
 #undef ENTRY
 
-/* NULL: there is none. Whether these frictions have a dashpot is a matter of the law, not of the pair. */
-static const struct smooth_pass *smooth_pass_of(const struct scree_rule *rule, const struct scree_batch *batch,
-                                                int first) {
-    const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    if (normal->memory || normal->reach) return NULL;
-    if (rule->friction < 0) return &smooth_alone[rule->normal];
+/* The contacts of a rule in a step. */
+struct smooth_pass {
+    const struct smooth_loops *loops; /* NULL: there are none */
+    const struct scree_rule *rule;
+    double step;
+    int substeps; /* as asked for; 0: as many as needed */
+    int cut, turns, root, rubs;
+    int ticks; /* there are steps by the clock of a root */
+};
+
+/* A slider behind a bare spring? Whether these frictions have a dashpot is a matter of the law, not of the pair. */
+static int is_bare(const struct scree_rule *rule, const struct scree_batch *batch, int first) {
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     struct scree_pair_constants pair = {
         {scree_pair(batch, SCREE_PAIR_FRICTION, first), scree_pair(batch, SCREE_PAIR_FRICTION + 1, first), 0.0, 0.0}};
-    int bare = friction->slider && friction->damping(&rule->friction_constants, pair, 1.0) == 0.0;
+    return friction->slider && friction->damping(&rule->friction_constants, pair, 1.0) == 0.0;
+}
+
+static const struct smooth_loops *smooth_loops_of(const struct scree_rule *rule, int bare) {
+    if (rule->friction < 0) return &smooth_alone[rule->normal];
     for (size_t k = 0; k < sizeof smooth_pairs / sizeof *smooth_pairs; k++)
         if (smooth_pairs[k].normal == rule->normal && smooth_pairs[k].friction == rule->friction)
-            return &smooth_pairs[k].pass[bare];
+            return &smooth_pairs[k].loops[bare];
     return NULL;
+}
+
+static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, const struct scree_batch *batch,
+                                         int first, double step) {
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
+    struct smooth_pass pass = {.rule = rule, .step = step, .substeps = contacts->substeps};
+    if (normal->memory || normal->reach) return pass;
+    int rubs = pass.rubs = rule->friction >= 0, bare = rubs && is_bare(rule, batch, first);
+    pass.loops = smooth_loops_of(rule, bare);
+    pass.ticks = !rubs || bare;
+    pass.cut = normal->cut;
+    pass.turns = rubs ? !normal->cut : !normal->turns_smoothly;
+    pass.root = normal->root;
+    if (rubs && scree_friction_laws[rule->friction]->root > pass.root)
+        pass.root = scree_friction_laws[rule->friction]->root;
+    return pass;
 }
 
 /* ---- gather ---- */
 
 /* Where contacts are, and what bodies do by themselves (scree_push; differences of ball and host where that is enough). */
 struct meeting {
-    double later_n[3][SCREE_LANES];                 /* normal in the middle of the step */
-    double arm[SCREE_LANES], host_arm[SCREE_LANES]; /* from the centres to the contact at the start, m */
-    double later_arm[SCREE_LANES], later_host_arm[SCREE_LANES];
+    double later_n[3][SCREE_LANES];                              /* normal in the middle of the step */
+    double arm[SCREE_LANES], host_arm[SCREE_LANES];              /* from the centres to the contact at the start, m */
     double last[3][SCREE_LANES], before[3][SCREE_LANES];         /* impulses of the last two steps, N s */
+    double last_depth[SCREE_LANES], depth_before[SCREE_LANES];   /* and the overlaps that friction had on the mean, m */
     double along[4][SCREE_LANES], more[4][SCREE_LANES];          /* m/s^2 */
     double ball_turn[4][SCREE_LANES], host_turn[4][SCREE_LANES]; /* rad/s^2; 1/(kg m^2) */
     double ball_more[4][SCREE_LANES], host_more[4][SCREE_LANES];
@@ -379,8 +202,8 @@ static inline void fetch_pushes(const struct scree_push *push, const struct scre
 
 /* Numbers of one column, of contacts one after the other (`index` NULL) or here and there. */
 static inline void fetch_column(const double *column, int first, const int *index, int count, double *to) {
-    if (index) {
-        for (int k = 0; k < count; k++) to[k] = column[index[k]];
+    if (index) { /* padding repeats the last */
+        for (int k = 0; k < padded(count); k++) to[k] = column[index[k < count ? k : count - 1]];
     } else {
         _Pragma("omp simd")
         for (int k = 0; k < padded(count); k++) to[k] = column[first + k];
@@ -392,8 +215,10 @@ static void fetch_kept(const struct scree_batch *batch, int first, const int *in
                        struct block *b, struct meeting *to, struct course *c, struct motion *m) {
     for (int axis = 0; axis < 3; axis++) {
         fetch_column(batch->past[axis], first, index, count, to->last[axis]);
-        fetch_column(batch->past[3 + axis], first, index, count, to->before[axis]);
+        fetch_column(batch->past[SCREE_PAST_STEP + axis], first, index, count, to->before[axis]);
     }
+    fetch_column(batch->past[SCREE_PAST_DEPTH], first, index, count, to->last_depth);
+    fetch_column(batch->past[SCREE_PAST_STEP + SCREE_PAST_DEPTH], first, index, count, to->depth_before);
     int columns = turns ? SCREE_PAIR_LEVER : SCREE_PAIR_FRICTION;
     for (int column = 0; column < columns; column++)
         fetch_column(batch->pair[column], batch->uniform ? 0 : first, batch->uniform ? NULL : index, count,
@@ -414,20 +239,15 @@ static void fetch_kept(const struct scree_batch *batch, int first, const int *in
 static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int balls, int turns, struct meeting *to,
                                    struct course *c, struct motion *m) {
     struct vec n = get(b->n, k), shift = get(b->shift, k), rush = get(b->rush, k), later_n = n;
-    double d = b->overlap[k], along = vec_dot(rush, n), later_d = d - 0.5 * step * along;
-    double apart = balls ? b->shift[3][k] - d : vec_dot(shift, n), later_apart = apart + 0.5 * step * along;
+    double d = b->overlap[k], along = vec_dot(rush, n), apart = balls ? b->shift[3][k] - d : vec_dot(shift, n);
     if (balls) {
         const struct vec origin = {0.0, 0.0, 0.0};
         struct scree_meeting later = scree_meet_ball(vec_axpy(shift, 0.5 * step, rush), b->shift[3][k], origin, 0.0);
         later_n = later.normal;
-        later_d = later.overlap;
-        later_apart = b->shift[3][k] - later_d;
     }
     put(to->later_n, k, later_n);
     to->arm[k] = b->radius[k] - 0.5 * d;
     to->host_arm[k] = apart - to->arm[k];
-    to->later_arm[k] = b->radius[k] - 0.5 * later_d;
-    to->later_host_arm[k] = later_apart - to->later_arm[k];
     c->d[k] = d;
     c->u[k] = -along;
     m->give[k] = b->rush[3][k];
@@ -436,8 +256,12 @@ static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int ball
     struct vec around = vec_axpy(vec_scale(to->arm[k], get(b->ball_spin, k)), to->host_arm[k], get(b->host_spin, k));
     struct vec slip = vec_sub(rush, vec_cross(around, n));
     put(c->v, k, vec_axpy(slip, -vec_dot(slip, n), n));
-    m->give_aside[k] +=
-        to->arm[k] * to->arm[k] * to->ball_turn[3][k] + to->host_arm[k] * to->host_arm[k] * to->host_turn[3][k];
+    put(c->q, k, vec_scale(0.5, vec_cross(vec_add(get(b->ball_spin, k), get(b->host_spin, k)), n)));
+    double ball = to->arm[k] * to->ball_turn[3][k], host = to->host_arm[k] * to->host_turn[3][k];
+    m->give_aside[k] += to->arm[k] * ball + to->host_arm[k] * host;
+    m->start[k] = d;
+    m->lever[0][k] = ball + host;
+    m->lever[1][k] = to->ball_turn[3][k] + to->host_turn[3][k];
 }
 
 /* The acceleration that isn't the pair's own: the rest of what the bodies do, and the turning of arms and normal. */
@@ -455,12 +279,17 @@ static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int tur
         struct vec ball = vec_axpy(get(to->ball_turn, k), more, get(to->ball_more, k));
         struct vec host = vec_axpy(get(to->host_turn, k), more, get(to->host_more, k));
         a = vec_sub(a, vec_cross(vec_axpy(vec_scale(to->arm[k], ball), to->host_arm[k], host), n));
-        a = vec_axpy(a, (m->give[k] - m->give_aside[k]) * per_step, vec_axpy(own, -vec_dot(own, n), n));
+        /* Levers were longer by half of what the overlap has gained since. */
+        double longer = 0.5 * (b->overlap[k] - to->last_depth[k]),
+               before_that = 0.5 * (b->overlap[k] - to->depth_before[k]);
+        struct vec mine = vec_scale(m->give_aside[k] - m->give[k], own);
+        mine = vec_axpy(mine, m->lever[0][k] * longer * (1.0 + more), last);
+        mine = vec_axpy(mine, -m->lever[0][k] * before_that * more, get(to->before, k));
+        a = vec_axpy(a, -per_step, vec_axpy(mine, -vec_dot(mine, n), n));
         struct vec w = get(b->ball_spin, k), other = get(b->host_spin, k);
-        struct vec before = vec_cross(vec_axpy(vec_scale(to->arm[k], w), to->host_arm[k], other), n);
-        struct vec after = vec_cross(vec_axpy(vec_scale(to->later_arm[k], w), to->later_host_arm[k], other), later_n);
-        gain = vec_scale(-2.0 * per_step, vec_sub(after, before));
-        slip = vec_sub(rush, before);
+        struct vec around = vec_axpy(vec_scale(to->arm[k], w), to->host_arm[k], other);
+        gain = vec_scale(-1.0, vec_cross(around, sweep));
+        slip = vec_sub(rush, vec_cross(around, n));
     }
     /* (n x n') x v */
     gain = vec_sub(gain, vec_axpy(vec_scale(vec_dot(n, slip), sweep), -vec_dot(sweep, slip), n));
@@ -477,28 +306,371 @@ static SCREE_INLINE struct vec turn_over(struct vec v, struct vec axis, double c
     return vec_axpy(vec_add(v, once), 1.0 / (1.0 + cosine), vec_cross(axis, once));
 }
 
-/* Impulses in the directions of mid-step; zero where there is no touch. */
+/* Impulses in the directions of mid-step. */
 static SCREE_INLINE void yield_lane(struct block *b, int k, int balls, int turns, struct meeting *at, struct course *c,
                                     struct scree_yield *yield, struct scree_moments *moments) {
-    struct vec later = get(at->later_n, k), none = {0.0, 0.0, 0.0};
-    int acts = (c->d[k] > 0.0) & (b->overlap[k] > 0.0);
+    struct vec later = get(at->later_n, k);
     struct vec j = vec_scale(c->press[k], later), m = vec_scale(c->press_moment[k], later);
     if (turns) {
         struct vec rub = get(c->rub, k), rub_moment = get(c->rub_moment, k);
+        struct vec ball = vec_axpy(vec_scale(at->arm[k], rub), -0.5, get(c->deep, k));
+        struct vec host = vec_axpy(vec_scale(at->host_arm[k], rub), -0.5, get(c->deep, k));
         if (balls) {
             struct vec n = get(b->n, k), axis = vec_cross(n, later);
             double cosine = vec_dot(n, later);
             rub = turn_over(rub, axis, cosine);
             rub_moment = turn_over(rub_moment, axis, cosine);
+            ball = turn_over(ball, axis, cosine);
+            host = turn_over(host, axis, cosine);
         }
-        struct vec around = vec_cross(rub, later);
         j = vec_add(j, rub);
         m = vec_add(m, rub_moment);
-        put(yield->turn_ball, k, acts ? vec_scale(at->later_arm[k], around) : none);
-        put(yield->turn_host, k, acts ? vec_scale(at->later_host_arm[k], around) : none);
+        put(yield->turn_ball, k, vec_cross(ball, later));
+        put(yield->turn_host, k, vec_cross(host, later));
     }
-    put(yield->impulse, k, acts ? j : none);
-    put(moments->impulse, k, acts ? m : none);
+    put(yield->impulse, k, j);
+    put(moments->impulse, k, m);
+}
+
+/* ---- through the step ---- */
+
+/* Contacts on their way. */
+struct march {
+    struct motion m;
+    struct course c;
+    struct stride to;
+    int by_clock; /* steps by the clock of a root of the overlap: all are behind its begin (1) or before its end (-1); 0: they aren't */
+};
+
+/* What happens in a step of Runge-Kutta: nothing; it is too long; approach turns into parting where the law isn't smooth there; a
+ * slider breaks loose, or holds again; contact ends; or what is left to within.c. */
+enum { NOTHING, COARSE, TURNS, SLIPS, ENDS, ODD };
+
+/* So many events of a contact are gone past in a step, what has more is left to within.c; so many tries find one. */
+enum { MOST_EVENTS = 8, TRIES = 40 };
+
+/* Free flight up to the touch, on a parabola, of what touches in the step; `rest` of all others is zero. */
+static SCREE_INLINE void begin_lane(int k, double step, double flight, int rubs, struct motion *m, struct course *c) {
+    double d = c->d[k], u = c->u[k], a = m->closing[k], square = u * u - 2.0 * a * d;
+    double root = u + sqrt(square > 0.0 ? square : 0.0), start = -2.0 * d / (root + SCREE_NO_SPEED);
+    int touches = d > 0.0, begins = !touches & (flight > 0.0), thrown_back = !(root > 0.0) | (u + step * a <= 0.0);
+    double odd = (begins & thrown_back) ? 1.0 : c->odd[k];
+    start = start < step ? start : step;
+    start = touches ? 0.0 : start;
+    c->odd[k] = odd;
+    c->rest[k] = ((touches | begins) & !(odd > 0.0)) ? step - start : 0.0;
+    c->d[k] = begins ? 0.0 : d;
+    c->u[k] = begins ? u + start * a : u;
+    if (!rubs) return;
+    struct vec none = {0.0, 0.0, 0.0}, v = get(c->v, k), pushed = vec_axpy(v, start, get(m->aside, k));
+    put(c->v, k, begins ? pushed : v);
+    put(c->s, k, touches ? get(c->s, k) : none);
+    c->slides[k] = touches ? c->slides[k] : 0.0;
+}
+
+static void begin_lanes(int count, double step, int rubs, const double *flight, struct march *x) {
+    if (rubs)
+        SMOOTH_LOOP(begin_lane(k, step, flight[k], 1, &x->m, &x->c);)
+    else
+        SMOOTH_LOOP(begin_lane(k, step, flight[k], 0, &x->m, &x->c);)
+    for (int k = count; k < padded(count); k++) x->c.rest[k] = 0.0;
+}
+
+/* The next step: what is left, in equal parts no longer than the grid's. */
+static void stride_out(int count, struct march *x) {
+    SMOOTH_LOOP({
+        double rest = x->c.rest[k];
+        int parts = 1 + (int)(rest / x->m.grid[k] * (1.0 - 1e-12));
+        x->to.time[k] = x->by_clock ? rest : rest / parts;
+    })
+}
+
+/* What has happened in it. Returns whether anything has. With friction, a step may be too long. */
+static int look(const struct smooth_pass *pass, int count, const struct march *x, double *event) {
+    const struct course *c = &x->c;
+    const struct stride *to = &x->to;
+    int turning = pass->turns, rubs = pass->rubs, control = rubs && !pass->substeps, any = 0;
+    _Pragma("omp simd reduction(| : any)")
+    for (int k = 0; k < padded(count); k++) {
+        double time = to->time[k];
+        int coarse = control & (to->coarse[k] > 0.0) & (x->m.grid[k] > 0.75 * pass->step);
+        double before = to->turns[0][k], after = to->turns[1][k];
+        int moves = rubs | (c->u[k] * time > 1e-12 * c->d[k]); /* rest isn't a turn */
+        int turns = turning & (after < 0.0) & (before > -1e-10 * after) & moves;
+        int slips = rubs & (to->holds[1][k] < 0.0), ends = to->lasts[1][k] < 0.0;
+        int odd = (ends & !turns & !slips & !(to->lasts[0][k] > 0.0)) | !(c->d[k] >= 0.0);
+        double what = ends ? ENDS : NOTHING;
+        what = turns ? TURNS : what;
+        what = slips ? SLIPS : what;
+        what = coarse ? COARSE : what;
+        what = odd ? ODD : what;
+        event[k] = time > 0.0 ? what : NOTHING;
+        any |= event[k] > 0.0;
+    }
+    return any;
+}
+
+/* Take the step, where `take` is nothing. */
+static void accept(int count, int rubs, const double *event, struct march *x) {
+    struct course *c = &x->c;
+    const struct stride *to = &x->to;
+    SMOOTH_LOOP({
+        int takes = (event[k] == NOTHING) & (to->time[k] > 0.0);
+        double left = c->rest[k] - to->time[k], press = to->press[k], moment = to->press_moment[k] + left * press;
+        c->press[k] += takes ? press : 0.0;
+        c->press_moment[k] += takes ? moment : 0.0;
+        c->d[k] = takes ? to->d[k] : c->d[k];
+        c->u[k] = takes ? to->u[k] : c->u[k];
+        c->rest[k] = takes ? left : c->rest[k];
+    })
+    if (!rubs) return;
+    SMOOTH_LOOP({
+        int takes = (event[k] == NOTHING) & (to->time[k] > 0.0);
+        double left = c->rest[k]; /* set above */
+        for (int i = 0; i < 3; i++) {
+            double rub = to->rub[i][k], moment = to->rub_moment[i][k] + left * rub;
+            c->rub[i][k] += takes ? rub : 0.0;
+            c->rub_moment[i][k] += takes ? moment : 0.0;
+            c->deep[i][k] += takes ? to->deep[i][k] : 0.0;
+            c->v[i][k] = takes ? to->v[i][k] : c->v[i][k];
+            c->q[i][k] = takes ? to->q[i][k] : c->q[i][k];
+            c->s[i][k] = takes ? to->s[i][k] : c->s[i][k];
+        }
+        c->slides[k] = takes ? to->slides[k] : c->slides[k];
+    })
+}
+
+/* Set the clock of a lane for its step: time since the begin of the root, or until its end, which is reckoned with the speed of now unless
+ * it is known to be that of the step. Returns the number of its own steps, for a root that is near and one that isn't. */
+static int set_clock(const struct smooth_pass *pass, int k, int ends, struct march *x) {
+    struct stride *to = &x->to;
+    double time = to->time[k], away = fabs(x->c.d[k] / x->c.u[k]), over = away - time, rest = x->c.rest[k];
+    over = ends || !(over > 0.0) ? 0.0 : over;
+    double other = x->by_clock > 0 ? away : over, near = sqrt(other / (time + other));
+    if (pass->root == 4) near = sqrt(near);
+    int pieces = (other < 1.5 * rest ? 4 : 1) * (1 + (int)(rest / x->m.grid[k] * (1.0 - 1e-12)));
+    to->span[k] = x->by_clock * (time + other);
+    to->offset[k] = x->by_clock > 0 ? -other : time + other;
+    to->sigma[k] = x->by_clock > 0 ? near : 1.0;
+    to->size[k] = x->by_clock * (1.0 - near) / pieces;
+    return pieces;
+}
+
+/* The step of all lanes by the clock of a root. */
+static void tick(const struct smooth_pass *pass, int count, const int *ends, struct march *x) {
+    struct stride *to = &x->to;
+    int pieces[SCREE_LANES], most = 0;
+    double time[SCREE_LANES];
+    for (int k = 0; k < padded(count); k++) {
+        pieces[k] = set_clock(pass, k, ends && ends[k], x);
+        if (pieces[k] > most) most = pieces[k];
+    }
+    memcpy(time, to->time, sizeof time);
+    memset(to->time, 0, sizeof to->time); /* what is at the begin; nothing has been yielded */
+    pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, to);
+    memcpy(to->time, time, sizeof time);
+    for (int piece = 0; piece < most; piece++) {
+        for (int k = 0; k < padded(count); k++)
+            if (piece == pieces[k]) to->size[k] = 0.0;
+        pass->loops->tick(pass->rule, &x->m, count, pass->step, &x->c, to);
+    }
+}
+
+/* `ends`: lanes in which contact is to end with the step; NULL: none. */
+static void go(const struct smooth_pass *pass, int count, const int *ends, struct march *x) {
+    if (x->by_clock)
+        tick(pass, count, ends, x);
+    else
+        pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, &x->to);
+}
+
+/* What is positive before an event and negative behind it, at the begin (0) or the end (1) of the step. */
+static double still(const struct march *x, int k, int event, int end) {
+    if (event == TURNS) return x->to.turns[end][k];
+    return event == SLIPS ? x->to.holds[end][k] : x->to.lasts[end][k];
+}
+
+/* An event between two times, and the values there; `kept`: which end has been kept in the try before. */
+struct bracket {
+    double low, high, at_low, at_high;
+    int kept;
+};
+
+/* Regula falsi with the weights of Anderson & Bjoerck, BIT 13 (1973) 253: the value of an end that is kept twice is cut by as much as the
+ * other one has fallen. */
+static double cut_of(double value, double before) {
+    double cut = 1.0 - value / before;
+    return cut > 0.0 ? cut : 0.5;
+}
+
+static void narrow(double t, double value, struct bracket *in) {
+    if (value > 0.0) {
+        if (in->kept > 0 && in->at_low > 0.0) in->at_high *= cut_of(value, in->at_low);
+        in->low = t;
+        in->at_low = value;
+        in->kept = 1;
+    } else {
+        if (in->kept < 0 && in->at_high < 0.0) in->at_low *= cut_of(value, in->at_high);
+        in->high = t;
+        in->at_high = value;
+        in->kept = -1;
+    }
+}
+
+static double guess(const struct bracket *in, int bisect) {
+    double t = in->high - in->at_high * (in->high - in->low) / (in->at_high - in->at_low);
+    return !bisect && t > in->low && t < in->high ? t : 0.5 * (in->low + in->high);
+}
+
+/* Shorten the steps over whose course events happen, so that they end there. What should have happened before they begin happens where they
+ * do; from a value of zero it may have risen first, but not for less than a millionth of the step. */
+static void shorten(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
+    struct bracket in[SCREE_LANES];
+    double size[SCREE_LANES];
+    int open = 0, is_open[SCREE_LANES], what[SCREE_LANES], ends[SCREE_LANES];
+    for (int k = 0; k < padded(count); k++) {
+        what[k] = (int)event[k];
+        ends[k] = what[k] == ENDS;
+        in[k] = (struct bracket){0.0, x->to.time[k], still(x, k, what[k], 0), still(x, k, what[k], 1), 0};
+        size[k] = in[k].at_low - in[k].at_high;
+        open |= is_open[k] = what[k] != NOTHING && in[k].at_low >= 0.0;
+        if (what[k] != NOTHING && !is_open[k]) x->to.time[k] = 0.0;
+    }
+    for (int try = 0; open && try < TRIES; try++) {
+        open = 0;
+        for (int k = 0; k < padded(count); k++)
+            if (is_open[k]) x->to.time[k] = guess(&in[k], try % 6 == 5);
+        go(pass, count, ends, x);
+        for (int k = 0; k < padded(count); k++) {
+            if (!is_open[k]) continue;
+            double value = still(x, k, what[k], 1);
+            int found = fabs(value) <= 1e-13 * size[k];
+            narrow(x->to.time[k], value, &in[k]);
+            if (in[k].high - in[k].low > (in[k].at_low > 0.0 ? 1e-14 : 1e-6) * pass->step) {
+                open |= is_open[k] = !found;
+            } else {
+                x->to.time[k] = in[k].high;
+                is_open[k] = 0;
+            }
+        }
+    }
+    for (int k = 0; k < padded(count); k++)
+        if (is_open[k]) x->to.time[k] = in[k].high;
+    go(pass, count, ends, x);
+}
+
+/* What an event changes. */
+static void pass_event(int count, int rubs, const double *event, struct march *x) {
+    struct course *c = &x->c;
+    for (int k = 0; k < padded(count); k++) {
+        if (event[k] == ENDS) c->rest[k] = 0.0;
+        if (event[k] == ENDS && rubs) put(c->s, k, vec(0.0, 0.0, 0.0));
+        if (event[k] == ENDS && rubs) c->slides[k] = 0.0;
+        if (event[k] == SLIPS) c->slides[k] = c->slides[k] > 0.0 ? 0.0 : 1.0;
+    }
+}
+
+/* Lanes in which something from one kind to another has happened. */
+static int lanes_with(const double *event, int count, int from, int to, int *lane) {
+    int some = 0;
+    for (int k = 0; k < count; k++)
+        if (event[k] >= from && event[k] <= to) lane[some++] = k;
+    return some;
+}
+
+/* Some of the lanes by themselves, and back; padding repeats the last. */
+static void split_off(const struct march *x, int *lane, int count, struct march *few) {
+    for (int k = count; k < padded(count); k++) lane[k] = lane[count - 1];
+    pick_lanes(x, lane, padded(count), offsetof(struct march, by_clock), few);
+    few->by_clock = 0;
+}
+
+static void join(const struct march *few, const int *lane, int count, struct march *x) {
+    return_lanes(&few->c, lane, count, sizeof few->c, &x->c);
+}
+
+static void leave(int count, const int *lane, struct march *x) {
+    for (int i = 0; i < count; i++) {
+        x->c.odd[lane[i]] = 1.0;
+        x->c.rest[lane[i]] = 0.0;
+    }
+}
+
+/* Lanes near the begin of a root of the overlap (side 1), or near its end (-1); left where the laws have no clock. */
+static int lanes_near(const struct smooth_pass *pass, int count, int side, struct march *x, int *near) {
+    int nears = 0;
+    double within = side > 0 ? 6.0 : 7.0;
+    if (side < 0 && pass->cut) return 0;
+    for (int k = 0; k < count; k++) {
+        double rest = x->c.rest[k], d = x->c.d[k], u = side * x->c.u[k];
+        if (rest > 0.0 && u > 0.0 && d < within * rest * u) near[nears++] = k;
+    }
+    if (pass->ticks) return nears;
+    leave(nears, near, x);
+    return 0;
+}
+
+/* Events of the step that was tried: contacts go past theirs by themselves. */
+static void go_past(const struct smooth_pass *pass, const double *event, const int *lane, int count,
+                    struct march *few) {
+    const double none[SCREE_LANES] = {0.0};
+    double own[SCREE_LANES], first[SCREE_LANES];
+    int again = 0;
+    for (int k = 0; k < padded(count); k++) own[k] = event[lane[k]];
+    shorten(pass, count, own, few);
+    for (int k = 0; pass->rubs && k < padded(count); k++) { /* sliding may go on until there is no contact any more */
+        int ended = own[k] == SLIPS && few->c.slides[k] > 0.0 && few->to.lasts[1][k] < 0.0;
+        again |= ended;
+        own[k] = ended ? ENDS : own[k];
+        first[k] = ended ? ENDS : NOTHING;
+    }
+    if (again) shorten(pass, count, first, few);
+    accept(count, pass->rubs, none, few);
+    pass_event(count, pass->rubs, own, few);
+}
+
+/* All lanes to the end of the step; `events` of each have been so far. */
+static void march_on(const struct smooth_pass *pass, int count, int events, struct march *x) {
+    struct march few;
+    int lane[SCREE_LANES], some;
+    double event[SCREE_LANES];
+    for (;;) {
+        for (int side = 1; side >= -1 && pass->root >= 2 && !x->by_clock; side -= 2) {
+            if (!(some = lanes_near(pass, count, side, x, lane))) continue;
+            split_off(x, lane, some, &few);
+            few.by_clock = side;
+            march_on(pass, some, events, &few);
+            join(&few, lane, some, x);
+        }
+        stride_out(count, x);
+        go(pass, count, NULL, x);
+        int any = look(pass, count, x, event);
+        if (any && (some = lanes_with(event, count, COARSE, COARSE, lane))) {
+            split_off(x, lane, some, &few);
+            SMOOTH_LOOP(few.m.grid[k] *= 0.5;)
+            march_on(pass, some, events, &few);
+            join(&few, lane, some, x);
+        }
+        if (any && events < MOST_EVENTS && (some = lanes_with(event, count, TURNS, ENDS, lane))) {
+            split_off(x, lane, some, &few);
+            few.by_clock = x->by_clock;
+            go_past(pass, event, lane, some, &few);
+            few.by_clock = 0;
+            march_on(pass, some, events + 1, &few);
+            join(&few, lane, some, x);
+        }
+        if (any) leave(lanes_with(event, count, events < MOST_EVENTS ? ODD : TURNS, ODD, lane), lane, x);
+        accept(count, pass->rubs, event, x);
+        some = 0;
+        for (int k = 0; k < count; k++)
+            if (x->c.rest[k] > 0.0) lane[some++] = k;
+        if (!some) return;
+        if (2 * some > count) continue;
+        split_off(x, lane, some, &few);
+        march_on(pass, some, events, &few);
+        join(&few, lane, some, x);
+        return;
+    }
 }
 
 /* ---- a block ---- */
@@ -507,35 +679,14 @@ static SCREE_INLINE void yield_lane(struct block *b, int k, int balls, int turns
 struct smooth_block {
     struct block b;
     struct meeting at;
-    struct motion m;
-    struct course c;
+    struct march x;
     double flight[SCREE_LANES]; /* overlap at the end of the step if nothing acts, m */
+    double depth[SCREE_LANES];  /* overlap that friction had on the mean, m; 0: none */
 };
 
 /* Nothing has been yielded yet. */
 static void begin_course(struct course *c) {
-    memset(c->press, 0, offsetof(struct course, coarse) - offsetof(struct course, press));
-}
-
-/* Steps of Runge-Kutta: as many as asked for; else one, and with friction two where one isn't enough. */
-static void go_on(const struct smooth_pass *pass, const struct scree_rule *rule, int substeps, int count, double step,
-                  struct smooth_block *s) {
-    int asked = substeps > 0 ? substeps : 1, control = rule->friction >= 0 && !substeps;
-    int coarse[SCREE_LANES], others = 0;
-    struct motion few;
-    struct course start, again;
-    if (control) memcpy(&start, &s->c, offsetof(struct course, press));
-    for (int k = 0; k < asked; k++) pass->step(rule, &s->m, count, step / asked, step / asked * (asked - 1 - k), &s->c);
-    for (int k = 0; control && k < count; k++)
-        if (s->c.coarse[k] > 0.0 && s->b.overlap[k] > 0.0) coarse[others++] = k;
-    if (!others) return;
-    int lanes = padded(others);
-    for (int k = others; k < lanes; k++) coarse[k] = coarse[others - 1];
-    pick_lanes(&s->m, coarse, lanes, sizeof few, &few);
-    pick_lanes(&start, coarse, lanes, offsetof(struct course, press), &again);
-    begin_course(&again);
-    for (int k = 0; k < 2; k++) pass->step(rule, &few, others, 0.5 * step, k ? 0.0 : 0.5 * step, &again);
-    return_lanes(&again, coarse, others, sizeof again, &s->c);
+    memset(c->press, 0, offsetof(struct course, odd) - offsetof(struct course, press));
 }
 
 static void gather_smooth(const struct scree_bodies *now, const struct scree_batch *batch,
@@ -549,84 +700,82 @@ static void gather_smooth(const struct scree_bodies *now, const struct scree_bat
         for (int i = 0; i < 4; i++) four[i] = &contact[lane + i < count ? lane + i : count - 1];
         fetch_pushes(now->push, four, lane, turns, &s->at);
     }
-    begin_course(&s->c);
-    fetch_kept(batch, first, index, count, turns, &s->b, &s->at, &s->c, &s->m);
+    begin_course(&s->x.c);
+    fetch_kept(batch, first, index, count, turns, &s->b, &s->at, &s->x.c, &s->x.m);
 }
 
 /* A loop of its own for each kind of contact. */
-#define FOR_LANES(lane_of)                                                                                             \
-    _Pragma("omp simd")                                                                                                \
-    for (int k = 0; k < padded(count); k++) lane_of
-
 static void meet_smooth(struct smooth_block *s, int count, double step, int balls, int turns) {
     if (balls && turns) {
-        FOR_LANES(meet_lane(&s->b, k, step, 1, 1, &s->at, &s->c, &s->m);)
+        SMOOTH_LOOP(meet_lane(&s->b, k, step, 1, 1, &s->at, &s->x.c, &s->x.m);)
     } else if (balls) {
-        FOR_LANES(meet_lane(&s->b, k, step, 1, 0, &s->at, &s->c, &s->m);)
+        SMOOTH_LOOP(meet_lane(&s->b, k, step, 1, 0, &s->at, &s->x.c, &s->x.m);)
     } else if (turns) {
-        FOR_LANES(meet_lane(&s->b, k, step, 0, 1, &s->at, &s->c, &s->m);)
+        SMOOTH_LOOP(meet_lane(&s->b, k, step, 0, 1, &s->at, &s->x.c, &s->x.m);)
     } else {
-        FOR_LANES(meet_lane(&s->b, k, step, 0, 0, &s->at, &s->c, &s->m);)
+        SMOOTH_LOOP(meet_lane(&s->b, k, step, 0, 0, &s->at, &s->x.c, &s->x.m);)
     }
 }
 
 static void drive_smooth(struct smooth_block *s, int count, double step, int turns) {
     if (turns) {
-        FOR_LANES(drive_lane(&s->b, k, step, 1, &s->at, &s->m);)
+        SMOOTH_LOOP(drive_lane(&s->b, k, step, 1, &s->at, &s->x.m);)
     } else {
-        FOR_LANES(drive_lane(&s->b, k, step, 0, &s->at, &s->m);)
+        SMOOTH_LOOP(drive_lane(&s->b, k, step, 0, &s->at, &s->x.m);)
     }
-    FOR_LANES(s->flight[k] = s->c.d[k] + (step * s->c.u[k] + 0.5 * step * step * s->m.closing[k]);)
+    SMOOTH_LOOP(s->flight[k] = s->x.c.d[k] + (step * s->x.c.u[k] + 0.5 * step * step * s->x.m.closing[k]);)
 }
 
 static void yield_smooth(struct smooth_block *s, int count, int balls, int turns, struct scree_yield *yield,
                          struct scree_moments *moments) {
     if (balls && turns) {
-        FOR_LANES(yield_lane(&s->b, k, 1, 1, &s->at, &s->c, yield, moments);)
+        SMOOTH_LOOP(yield_lane(&s->b, k, 1, 1, &s->at, &s->x.c, yield, moments);)
     } else if (balls) {
-        FOR_LANES(yield_lane(&s->b, k, 1, 0, &s->at, &s->c, yield, moments);)
+        SMOOTH_LOOP(yield_lane(&s->b, k, 1, 0, &s->at, &s->x.c, yield, moments);)
     } else if (turns) {
-        FOR_LANES(yield_lane(&s->b, k, 0, 1, &s->at, &s->c, yield, moments);)
+        SMOOTH_LOOP(yield_lane(&s->b, k, 0, 1, &s->at, &s->x.c, yield, moments);)
     } else {
-        FOR_LANES(yield_lane(&s->b, k, 0, 0, &s->at, &s->c, yield, moments);)
+        SMOOTH_LOOP(yield_lane(&s->b, k, 0, 0, &s->at, &s->x.c, yield, moments);)
     }
-    FOR_LANES({
+    SMOOTH_LOOP({
         double steady = s->b.n[0][k] * s->at.later_n[0][k] + s->b.n[1][k] * s->at.later_n[1][k] +
                         s->b.n[2][k] * s->at.later_n[2][k];
-        double odd = s->b.overlap[k] > 0.0 ? s->c.odd[k] : s->flight[k] > 0.0 ? 1.0 : 0.0;
-        int plain = (steady >= 0.9) & (s->m.give[k] > 0.0);
-        s->c.odd[k] = plain ? odd : 1.0;
+        int plain = (steady >= 0.9) & (s->x.m.give[k] > 0.0);
+        s->x.c.odd[k] = plain ? s->x.c.odd[k] : 1.0;
     })
 }
 
-/* Depths and slopes. */
-static void rate_contacts(struct smooth_block *s, int count, double slope, struct scree_yield *yield) {
-    FOR_LANES(yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k);)
+/* Depths, slopes, and levers. */
+static void rate_contacts(struct smooth_block *s, int count, double slope, int turns, struct scree_yield *yield) {
+    SMOOTH_LOOP(yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k);)
+    if (turns)
+        SMOOTH_LOOP({
+            struct vec rub = get(s->x.c.rub, k);
+            double square = vec_norm2(rub), deep = vec_dot(get(s->x.c.deep, k), rub) / (square + SCREE_NO_SPEED);
+            s->depth[k] = square > 0.0 ? s->b.overlap[k] + deep : 0.0;
+        })
     if (slope == 0.0)
-        FOR_LANES(yield->steep[k] = 0.0;)
+        SMOOTH_LOOP(yield->steep[k] = 0.0;)
     else
-        FOR_LANES(yield->steep[k] =
-                      slope * 4.0 * s->b.rush[3][k] * vec_dot(get(yield->impulse, k), get(s->at.later_n, k));)
+        SMOOTH_LOOP(yield->steep[k] =
+                        slope * 4.0 * s->b.rush[3][k] * vec_dot(get(yield->impulse, k), get(s->at.later_n, k));)
 }
 
 /* What is kept of contacts one after the other. */
 static void keep_all(const struct scree_batch *batch, struct smooth_block *s, int first, int count, int turns,
                      struct scree_yield *yield) {
-    for (int axis = 0; axis < 3; axis++) {
-        double *last = batch->past[axis] + first, *before = batch->past[3 + axis] + first;
-        const double *now = yield->impulse[axis];
-        FOR_LANES({
-            before[k] = s->c.odd[k] > 0.0 ? before[k] : last[k];
-            last[k] = s->c.odd[k] > 0.0 ? last[k] : now[k];
+    for (int m = 0; m < (turns ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++) {
+        double *last = batch->past[m] + first, *before = batch->past[SCREE_PAST_STEP + m] + first;
+        const double *now = m == SCREE_PAST_DEPTH ? s->depth : yield->impulse[m];
+        SMOOTH_LOOP({
+            before[k] = s->x.c.odd[k] > 0.0 ? before[k] : last[k];
+            last[k] = s->x.c.odd[k] > 0.0 ? last[k] : now[k];
         })
     }
     if (!turns || !batch->kept[0]) return;
     for (int m = 0; m < 4; m++) {
-        double *kept = batch->kept[m] + first, *now = m < 3 ? s->c.s[m] : s->c.slides;
-        FOR_LANES({
-            double new = s->b.overlap[k] > 0.0 ? now[k] : 0.0;
-            kept[k] = s->c.odd[k] > 0.0 ? kept[k] : new;
-        })
+        double *kept = batch->kept[m] + first, *now = m < 3 ? s->x.c.s[m] : s->x.c.slides;
+        SMOOTH_LOOP({ kept[k] = s->x.c.odd[k] > 0.0 ? kept[k] : now[k]; })
     }
 }
 
@@ -639,14 +788,15 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
         moments->impulse[axis][lane] = moments_from->impulse[axis][i];
         yield->turn_ball[axis][lane] = turns ? from->turn_ball[axis][i] : 0.0;
         yield->turn_host[axis][lane] = turns ? from->turn_host[axis][i] : 0.0;
-        batch->past[3 + axis][index] = batch->past[axis][index];
-        batch->past[axis][index] = from->impulse[axis][i];
+    }
+    for (int m = 0; m < (turns ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++) {
+        batch->past[SCREE_PAST_STEP + m][index] = batch->past[m][index];
+        batch->past[m][index] = m == SCREE_PAST_DEPTH ? s->depth[i] : from->impulse[m][i];
     }
     yield->depth[lane] = from->depth[i];
     yield->steep[lane] = from->steep[i];
     for (int m = 0; turns && batch->kept[0] && m < 4; m++) {
-        double now = m < 3 ? s->c.s[m][i] : s->c.slides[i];
-        batch->kept[m][index] = s->b.overlap[i] > 0.0 ? now : 0.0;
+        batch->kept[m][index] = m < 3 ? s->x.c.s[m][i] : s->x.c.slides[i];
     }
 }
 
@@ -694,12 +844,14 @@ static void run_smooth(const struct scree_contacts *contacts, const struct scree
     int balls = batch->geometry != SCREE_BALL_PLANE, turns = rule->friction >= 0, touching = 0;
     gather_smooth(now, batch, contact, first, index, count, turns, s);
     meet_smooth(s, count, step, balls, turns);
-    pass->rates(rule, batch->slope, count, &s->c, &s->m);
+    pass->loops->rates(rule, batch->slope, step, pass->substeps, count, &s->x.c, &s->x.m);
     drive_smooth(s, count, step, turns);
-    for (int k = 0; k < count; k++) touching |= s->b.overlap[k] > 0.0;
-    if (touching) go_on(pass, rule, contacts->substeps, count, step, s);
+    begin_lanes(count, step, turns, s->flight, &s->x);
+    s->x.by_clock = 0;
+    for (int k = 0; k < count; k++) touching |= s->x.c.rest[k] > 0.0;
+    if (touching) march_on(pass, count, 0, &s->x);
     yield_smooth(s, count, balls, turns, yield, moments);
-    rate_contacts(s, count, batch->slope, yield);
+    rate_contacts(s, count, batch->slope, turns, yield);
 }
 
 /* Where only few of the contacts act, these are drawn together. */
@@ -715,7 +867,7 @@ static uint32_t impel_few(const struct scree_contacts *contacts, const struct sc
     for (int i = 0; i < count; i++) contact[i] = batch->contact[index[i] = first + lane[i]];
     run_smooth(contacts, now, batch, pass, contact, first, index, count, step, &s, &few, &few_moments);
     for (int i = 0; i < count; i++)
-        if (s.c.odd[i] > 0.0)
+        if (s.x.c.odd[i] > 0.0)
             odd |= (uint32_t)1 << lane[i];
         else
             hand_over(batch, &s, i, index[i], lane[i], turns, &few, &few_moments, yield, moments);
@@ -726,11 +878,11 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
-    const struct smooth_pass *pass = smooth_pass_of(rule, batch, first);
+    const struct smooth_pass pass = smooth_pass_of(contacts, batch, first, step);
     enum scree_geometry geometry = batch->geometry;
     int balls = geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE, lane[SCREE_LANES], acting = 0;
     uint32_t odd = 0;
-    if (!pass || rule->rolling >= 0 || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
+    if (!pass.loops || rule->rolling >= 0 || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
     for (int k = 0; k < count; k++) {
         const struct scree_contact *one = &batch->contact[first + k];
         if (!is_plain(now, one))
@@ -740,13 +892,13 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
     }
     if (2 * acting < count || odd) {
         for (int k = 0; k < count; k++) hand_nothing(yield, moments, k);
-        if (acting) odd |= impel_few(contacts, now, batch, pass, first, lane, acting, step, yield, moments);
+        if (acting) odd |= impel_few(contacts, now, batch, &pass, first, lane, acting, step, yield, moments);
         return odd;
     }
     struct smooth_block s;
-    run_smooth(contacts, now, batch, pass, batch->contact + first, first, NULL, count, step, &s, yield, moments);
+    run_smooth(contacts, now, batch, &pass, batch->contact + first, first, NULL, count, step, &s, yield, moments);
     keep_all(batch, &s, first, count, rule->friction >= 0, yield);
-    for (int k = 0; k < count; k++) odd |= (uint32_t)(s.c.odd[k] > 0.0) << k;
+    for (int k = 0; k < count; k++) odd |= (uint32_t)(s.x.c.odd[k] > 0.0) << k;
     return odd;
 }
 

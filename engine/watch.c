@@ -137,7 +137,8 @@ static void halve_contacts(struct scree_contacts *contacts) {
     for (int b = 0; b < contacts->batches; b++) {
         struct scree_batch *batch = &contacts->batch[b];
         for (int k = batch->impulses ? scree_first(batch) : -1; k >= 0; k = scree_next(batch, k))
-            for (int axis = 0; axis < 3; axis++) halve_past(&batch->past[axis][k], &batch->past[3 + axis][k]);
+            for (int axis = 0; axis < 3; axis++)
+                halve_past(&batch->past[axis][k], &batch->past[SCREE_PAST_STEP + axis][k]);
     }
 }
 

@@ -1,0 +1,418 @@
+/* One lane of smooth.c: a contact of two spheres, or of one and a plane, as numbers instead of vectors and matrices, and one step of
+ * Runge and Kutta of it, with what tells events in that step. Of two spheres
+ *
+ *   W F = (1/m_a + 1/m_b) F + (l_a^2/I_a + l_b^2/I_b) F_t,    l: from the centre to the contact, F_t: F in the tangent plane.
+ *
+ * Everything is a function of one lane, so that no bit depends on its neighbours. */
+#ifndef SCREE_CONTACT_LANE_H
+#define SCREE_CONTACT_LANE_H
+
+#include "contact/block.h"
+
+typedef struct scree_normal_force press_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                            struct scree_pressing at);
+typedef struct scree_tangential rub_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                        struct scree_sliding at);
+typedef struct scree_hold hold_law(const struct scree_law_constants *law, struct scree_sliding at);
+typedef double at_overlap(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
+
+/* The laws of a pass: constants where it is called, so that each pass is a loop of its own. */
+struct smooth_laws {
+    press_law *press;
+    rub_law *rub; /* NULL: no friction */
+    hold_law *hold;
+    at_overlap *stiffness, *damping;
+    int cut, root, memory, turns_smoothly;
+    int bare; /* friction is a slider behind a bare spring */
+};
+
+/* Columns of what stays during a step. */
+struct motion {
+    double closing[SCREE_LANES];  /* acceleration that isn't the pair's own: closing, m/s^2 */
+    double aside[3][SCREE_LANES]; /* and in the tangent plane */
+    double give[SCREE_LANES],
+        give_aside[SCREE_LANES]; /* acceleration per force, along the normal and across it, 1/kg */
+    double start[SCREE_LANES];   /* overlap at the start of the step, m */
+    double lever
+        [2]
+        [SCREE_LANES]; /* sum of the levers there over the moments of inertia, 1/(kg m); of 1 over these, 1/(kg m^2) */
+    double rate[SCREE_LANES]; /* of damping, 1/s */
+    double grid[SCREE_LANES]; /* longest step of Runge-Kutta, s */
+    double pair[SCREE_PAIR_LEVER][SCREE_LANES];
+};
+
+/* Columns of what goes on: the state, and what the contact has yielded so far (along the normal, and in the tangent plane). Levers become
+ * shorter by half the overlap; so the tangential velocity of the ball is v + (d - start) q, q = (w_a + w_b) x n/2, where v is that
+ * at the levers of the start. */
+struct course {
+    double d[SCREE_LANES], u[SCREE_LANES];                          /* overlap, m; closing speed, m/s */
+    double v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES]; /* m/s; 1/s; friction's memory */
+    double slides[SCREE_LANES];
+    double rest[SCREE_LANES];                             /* of the step, that the contact still has before it, s */
+    double press[SCREE_LANES], press_moment[SCREE_LANES]; /* N s, N s^2, about the end of the step */
+    double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES];
+    double deep[3][SCREE_LANES]; /* integral of (d - start) F_t, N s m */
+    double odd[SCREE_LANES];     /* 1: left to within.c */
+};
+
+/* Columns of one step of Runge-Kutta: its length and how it is to be made; where it leads, what it yields (moments: about its own
+ * end), and what tells events: numbers that are positive before them and negative behind. */
+struct stride {
+    double time[SCREE_LANES];
+    double d[SCREE_LANES], u[SCREE_LANES], v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES];
+    double slides[SCREE_LANES];
+    double press[SCREE_LANES], press_moment[SCREE_LANES];
+    double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES], deep[3][SCREE_LANES];
+    double lasts[2][SCREE_LANES]; /* at its begin and at its end: until contact ends */
+    double holds[2][SCREE_LANES]; /* until a slider that holds breaks loose, N; 1: there is none */
+    double turns[2][SCREE_LANES]; /* until a law that isn't smooth there turns to another formula */
+    double coarse[SCREE_LANES];   /* 1: too long a step */
+    /* The clock of a root, t = offset + span sigma^p: where it stands, and its step. */
+    double offset[SCREE_LANES], span[SCREE_LANES], sigma[SCREE_LANES], size[SCREE_LANES];
+};
+
+/* ---- one step of Runge and Kutta ---- */
+
+/* An instant inside the step. */
+struct stage {
+    double d, u, normal, damping;
+    struct vec v, q, s, force;
+    struct vec slip; /* v + (d - start) q */
+    double slides;
+};
+
+static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at, double normal, double time) {
+    return (struct scree_sliding){.normal = normal > 0.0 ? normal : 0.0,
+                                  .overlap = at->d,
+                                  .closing = at->u,
+                                  .half = 0.5 * time,
+                                  .velocity = at->slip,
+                                  .stretch = at->s,
+                                  .sliding = at->slides};
+}
+
+/* One lane's laws with their constants. */
+struct smooth_lane {
+    const struct scree_law_constants *normal, *friction;
+    struct scree_pair_constants normal_pair, friction_pair;
+};
+
+static SCREE_INLINE struct smooth_lane lane_of(const struct scree_rule *rule, const struct motion *m, int k) {
+    return (struct smooth_lane){
+        .normal = &rule->normal_constants,
+        .friction = &rule->friction_constants,
+        .normal_pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}},
+        .friction_pair = {{m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}}};
+}
+
+static SCREE_INLINE void press_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
+    struct scree_pressing pressing = {at->d, at->u, 0.0, 0.0};
+    struct scree_normal_force f = laws.press(lane->normal, lane->normal_pair, pressing);
+    at->normal = f.elastic + f.damping * at->u;
+    at->damping = f.damping;
+}
+
+/* Friction at a stage, whose own memory is cut to what holds there. */
+static SCREE_INLINE void rub_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
+    struct scree_tangential f = laws.rub(lane->friction, lane->friction_pair, sliding_at(at, at->normal, 0.0));
+    at->force = f.force;
+    if (!laws.memory) return;
+    at->s = f.stretch;
+    at->slides = f.sliding;
+}
+
+/* The same of a slider behind a bare spring: it holds or slides whatever comes, until the step ends where it shouldn't any more. */
+static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
+    double stiffness = laws.stiffness(lane->friction, lane->friction_pair, at->d), stretch = vec_norm(at->s);
+    double slides = laws.hold(lane->friction, sliding_at(at, at->normal, 0.0)).slides;
+    double slid = slides / (stiffness * stretch + SCREE_NO_SPEED), scale = at->slides > 0.0 ? slid : 1.0;
+    at->s = vec_scale(scale, at->s);
+    at->force = vec_scale(-stiffness, at->s);
+}
+
+/* The memory of friction that was that of `from`, after `time` at the velocity and overlap of `at`. */
+static SCREE_INLINE void drag_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *from,
+                                    const struct stage *at, double normal, double time, struct stage *to) {
+    struct scree_sliding sliding = sliding_at(at, normal, time);
+    sliding.stretch = from->s;
+    sliding.sliding = from->slides;
+    struct scree_tangential f = laws.rub(lane->friction, lane->friction_pair, sliding);
+    to->s = f.stretch;
+    to->slides = f.sliding;
+}
+
+/* The stage that follows from the rates of `at`. */
+static SCREE_INLINE struct stage go_stage(struct smooth_laws laws, const struct smooth_lane *lane,
+                                          const struct motion *m, int k, const struct stage *first,
+                                          const struct stage *at, double time) {
+    struct stage to = *first;
+    to.d = first->d + time * at->u;
+    to.u = first->u + time * (m->closing[k] - m->give[k] * at->normal);
+    press_stage(laws, lane, &to);
+    if (!laws.rub) return to;
+    struct vec aside = vec(m->aside[0][k], m->aside[1][k], m->aside[2][k]);
+    double shorter = 0.5 * (at->d - m->start[k]);
+    to.v = vec_axpy(first->v, time, vec_axpy(aside, m->give_aside[k] - shorter * m->lever[0][k], at->force));
+    to.q = vec_axpy(first->q, -0.5 * time * (m->lever[0][k] - shorter * m->lever[1][k]), at->force);
+    to.slip = vec_axpy(to.v, to.d - m->start[k], to.q);
+    if (laws.bare) {
+        to.s = vec_axpy(first->s, time, at->slip);
+        grip_stage(laws, lane, &to);
+        return to;
+    }
+    if (laws.memory) drag_stage(laws, lane, first, at, to.normal, time, &to);
+    rub_stage(laws, lane, &to);
+    return to;
+}
+
+/* What friction remembers at the end, whose overlap and speeds are set. */
+static SCREE_INLINE void finish_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *a,
+                                      const struct stage *b, const struct stage *c, const struct stage *d, double time,
+                                      struct stage *end) {
+    struct stage mean = *c;
+    mean.u = (a->u + 2.0 * (b->u + c->u) + d->u) / 6.0;
+    mean.slip = vec_scale(1.0 / 6.0, vec_axpy(vec_add(a->slip, d->slip), 2.0, vec_add(b->slip, c->slip)));
+    if (laws.bare) {
+        end->s = vec_axpy(a->s, time, mean.slip);
+        grip_stage(laws, lane, end);
+    } else if (laws.memory) {
+        drag_stage(laws, lane, a, &mean, c->normal, time, end);
+    }
+}
+
+/* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular frequency w errs by about
+ * (w h)^3/60 times the change of acceleration x h from the first stage to the second. With a dashpot behind it, what slides keeps its two:
+ * its memory is of lower order. */
+static SCREE_INLINE double coarse_at(struct smooth_laws laws, const struct smooth_lane *lane, const struct motion *m,
+                                     int k, const struct stage *a, const struct stage *b, const struct stage *c,
+                                     const struct stage *d, const struct stage *end, double time) {
+    const double tolerance = 60.0 * 1e-7;
+    double damped = m->rate[k] * time, deep = a->d + SCREE_NO_SPEED;
+    double stiff = time * time * (m->give[k] * 1.5 * fabs(a->normal) / deep);
+    double across = time * time * m->give_aside[k] * laws.stiffness(lane->friction, lane->friction_pair, a->d);
+    stiff = across > stiff ? across : stiff;
+    stiff = damped * damped > stiff ? damped * damped : stiff;
+    double first = time * m->give[k] * (b->normal - a->normal), then = time * m->give[k] * (c->normal - b->normal);
+    double change = first * first + then * then +
+                    time * time * m->give_aside[k] * m->give_aside[k] *
+                        (vec_norm2(vec_sub(b->force, a->force)) + vec_norm2(vec_sub(c->force, b->force)));
+    double speed = a->u * a->u + vec_norm2(a->slip) + a->d * a->d * (stiff / (time * time));
+    int fine = stiff * stiff * stiff * change <= tolerance * tolerance * speed;
+    double slides = a->slides + b->slides + c->slides + d->slides + end->slides;
+    if (!laws.bare) fine &= !(slides > 0.0);
+    return fine ? 0.0 : 1.0;
+}
+
+/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than the
+ * force: k d/c + u has no root of d in it. */
+static SCREE_INLINE double lasts_at(struct smooth_laws laws, double give, double step, const struct stage *at) {
+    if (!laws.cut) return at->d;
+    double beyond = at->u < 0.0 ? at->u : at->d / step, within = at->normal / (at->damping + 1e-6 / (give * step));
+    return at->d > 0.0 ? within : beyond;
+}
+
+/* What a slider that holds could still bear, N; by how much faster (m/s) one that slides is dragged than the stretch grows that its load
+ * allows. */
+static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth_lane *lane, const struct motion *m,
+                                    int k, double step, const struct stage *at) {
+    if (!laws.bare) return 1.0;
+    const double soon = 1e-5 * step;
+    struct stage next = {.d = at->d + soon * at->u, .u = at->u + soon * (m->closing[k] - m->give[k] * at->normal)};
+    struct scree_sliding sliding = sliding_at(at, at->normal, 0.0);
+    sliding.sliding = 0.0;
+    struct scree_hold hold = laws.hold(lane->friction, sliding);
+    double stiffness = laws.stiffness(lane->friction, lane->friction_pair, at->d);
+    double left = hold.holds - stiffness * vec_norm(at->s);
+    press_stage(laws, lane, &next);
+    double allowed = laws.hold(lane->friction, sliding_at(&next, next.normal, 0.0)).slides /
+                     laws.stiffness(lane->friction, lane->friction_pair, next.d);
+    double growth = (allowed - hold.slides / stiffness) / soon;
+    struct vec towards = vec_axpy(at->s, 1e-12 * step, at->slip); /* nothing is stretched yet at the very begin */
+    double dragged = vec_dot(at->slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED);
+    return at->slides > 0.0 ? dragged - growth : left;
+}
+
+/* One lane goes on by its time. */
+static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
+                                   double step, struct course *c, struct stride *to) {
+    struct smooth_lane lane = lane_of(rule, m, k);
+    struct stage first = {.d = c->d[k], .u = c->u[k]};
+    double time = to->time[k];
+    press_stage(laws, &lane, &first);
+    to->lasts[0][k] = lasts_at(laws, m->give[k], step, &first);
+    to->turns[0][k] = laws.rub ? first.normal : first.u; /* friction ends where a contact begins to pull */
+    to->holds[0][k] = 1.0;
+    if (laws.rub) {
+        first.v = get(c->v, k);
+        first.q = get(c->q, k);
+        first.slip = vec_axpy(first.v, first.d - m->start[k], first.q);
+        first.s = get(c->s, k);
+        first.slides = c->slides[k];
+        if (laws.bare)
+            grip_stage(laws, &lane, &first);
+        else
+            rub_stage(laws, &lane, &first);
+        to->holds[0][k] = holds_at(laws, &lane, m, k, step, &first);
+    }
+    struct stage second = go_stage(laws, &lane, m, k, &first, &first, 0.5 * time);
+    struct stage third = go_stage(laws, &lane, m, k, &first, &second, 0.5 * time);
+    struct stage fourth = go_stage(laws, &lane, m, k, &first, &third, time);
+    double inner = second.normal + third.normal, share = time * (1.0 / 6.0);
+    double impulse = share * ((first.normal + fourth.normal) + 2.0 * inner);
+    double moment = share * time * (first.normal + inner);
+    struct stage end = first;
+    end.u = first.u + (time * m->closing[k] - m->give[k] * impulse);
+    end.d = first.d + (time * first.u + (0.5 * time * time * m->closing[k] - m->give[k] * moment));
+    to->press[k] = impulse;
+    to->press_moment[k] = moment;
+    to->d[k] = end.d;
+    to->u[k] = end.u;
+    press_stage(laws, &lane, &end);
+    to->lasts[1][k] = lasts_at(laws, m->give[k], step, &end);
+    to->turns[1][k] = laws.rub ? end.normal : end.u;
+    to->holds[1][k] = 1.0;
+    to->coarse[k] = 0.0;
+    if (!laws.rub) return;
+    struct vec between = vec_add(second.force, third.force);
+    struct vec rub = vec_scale(share, vec_axpy(vec_add(first.force, fourth.force), 2.0, between));
+    /* The impulse times the depth: levers are half of it shorter. */
+    struct vec inner_deep =
+        vec_axpy(vec_scale(second.d - m->start[k], second.force), third.d - m->start[k], third.force);
+    struct vec outer_deep =
+        vec_axpy(vec_scale(first.d - m->start[k], first.force), fourth.d - m->start[k], fourth.force);
+    struct vec deep = vec_scale(share, vec_axpy(outer_deep, 2.0, inner_deep));
+    end.v = vec_axpy(vec_axpy(first.v, time, get(m->aside, k)), m->give_aside[k], rub);
+    end.v = vec_axpy(end.v, -0.5 * m->lever[0][k], deep);
+    end.q = vec_axpy(first.q, -0.5 * m->lever[0][k], rub);
+    end.q = vec_axpy(end.q, 0.25 * m->lever[1][k], deep);
+    end.slip = vec_axpy(end.v, end.d - m->start[k], end.q);
+    put(to->q, k, end.q);
+    put(to->deep, k, deep);
+    finish_stage(laws, &lane, &first, &second, &third, &fourth, time, &end);
+    put(to->rub, k, rub);
+    put(to->rub_moment, k, vec_scale(share * time, vec_add(first.force, between)));
+    put(to->v, k, end.v);
+    put(to->s, k, end.s);
+    to->slides[k] = end.slides;
+    to->holds[1][k] = holds_at(laws, &lane, m, k, step, &end);
+    to->coarse[k] = coarse_at(laws, &lane, m, k, &first, &second, &third, &fourth, &end, time);
+}
+
+/* ---- where the force sets in as a root of the overlap ---- */
+
+static SCREE_INLINE double whole_power(double x, int power) {
+    double y = 1.0;
+    for (int i = 0; i < power; i++) y *= x;
+    return y;
+}
+
+/* What a contact has yielded since a time: impulses and their integrals, and where its slider is. */
+struct yields {
+    double press, press_moment;
+    struct vec rub, rub_moment, deep, s;
+};
+
+static SCREE_INLINE struct yields add_yields(struct yields a, double share, const struct yields *rate) {
+    a.press += share * rate->press;
+    a.press_moment += share * rate->press_moment;
+    a.rub = vec_axpy(a.rub, share, rate->rub);
+    a.rub_moment = vec_axpy(a.rub_moment, share, rate->rub_moment);
+    a.deep = vec_axpy(a.deep, share, rate->deep);
+    a.s = vec_axpy(a.s, share, rate->s);
+    return a;
+}
+
+/* The instant `t` after that of the lane, and the rates of what it yields then. */
+static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m,
+                                             int k, struct course *c, double t, const struct yields *so_far,
+                                             struct stage *at) {
+    struct yields rate = {.press_moment = so_far->press, .rub_moment = so_far->rub};
+    at->u = c->u[k] + (t * m->closing[k] - m->give[k] * so_far->press);
+    at->d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * so_far->press_moment));
+    press_stage(laws, lane, at);
+    rate.press = at->normal;
+    if (!laws.bare) return rate;
+    double lever = m->lever[0][k], deep = at->d - m->start[k];
+    at->v = vec_axpy(vec_axpy(get(c->v, k), t, get(m->aside, k)), m->give_aside[k], so_far->rub);
+    at->v = vec_axpy(at->v, -0.5 * lever, so_far->deep);
+    at->q = vec_axpy(vec_axpy(get(c->q, k), -0.5 * lever, so_far->rub), 0.25 * m->lever[1][k], so_far->deep);
+    at->slip = vec_axpy(at->v, deep, at->q);
+    at->s = so_far->s;
+    grip_stage(laws, lane, at);
+    rate.rub = at->force;
+    rate.deep = vec_scale(deep, at->force);
+    rate.s = at->slip;
+    return rate;
+}
+
+/* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and their moments
+ * themselves are the states. One step in sigma; of size 0: nothing. */
+static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
+                                   double step, struct course *c, struct stride *to) {
+    const double node[5] = {0.0, 0.5, 0.5, 1.0, 1.0}, weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0};
+    struct smooth_lane lane = lane_of(rule, m, k);
+    double span = to->span[k], size = to->size[k], along = 0.0;
+    struct stage at = {.slides = laws.bare ? c->slides[k] : 0.0};
+    struct yields start = {.press = to->press[k], .press_moment = to->press_moment[k]}, rate = {.press = 0.0};
+    if (laws.bare) {
+        start.rub = get(to->rub, k);
+        start.rub_moment = get(to->rub_moment, k);
+        start.deep = get(to->deep, k);
+        start.s = get(to->s, k);
+    }
+    struct yields end = start;
+    for (int i = 0; i < 5; i++) { /* the last: the end */
+        double sigma = to->sigma[k] + node[i] * size, lower = whole_power(sigma, laws.root - 1);
+        struct yields now = i == 4 ? end : add_yields(start, node[i] * along, &rate);
+        rate = tick_stage(laws, &lane, m, k, c, to->offset[k] + span * lower * sigma, &now, &at);
+        along = size * span * laws.root * lower;
+        if (i < 4) end = add_yields(end, weight[i] * along, &rate);
+    }
+    to->sigma[k] += size;
+    to->d[k] = at.d;
+    to->u[k] = at.u;
+    to->press[k] = end.press;
+    to->press_moment[k] = end.press_moment;
+    to->lasts[1][k] = lasts_at(laws, m->give[k], step, &at);
+    to->turns[1][k] = laws.rub ? at.normal : at.u;
+    to->holds[1][k] = 1.0;
+    if (!laws.bare) return;
+    put(to->v, k, at.v);
+    put(to->q, k, at.q);
+    put(to->s, k, at.s);
+    put(to->rub, k, end.rub);
+    put(to->rub_moment, k, end.rub_moment);
+    put(to->deep, k, end.deep);
+    to->slides[k] = at.slides;
+    to->holds[1][k] = holds_at(laws, &lane, m, k, step, &at);
+}
+
+/* ---- before the step ---- */
+
+/* The rate at which the contact damps at its start, and the steps that Runge and Kutta's method needs for its stiffness: a quarter of
+ * 1/w at most, with which a contact errs by 1e-5 of its speed. `asked` > 0: so many times as many. */
+static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, double step,
+                                   int asked, int k, struct course *c, struct motion *m) {
+    struct smooth_lane lane = lane_of(rule, m, k);
+    double d = c->d[k] > 0.0 ? c->d[k] : 0.0, u = c->u[k], way = d + step * fabs(u);
+    struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){d, u, 0.0, 0.0});
+    double force = f.elastic + f.damping * u, rate = f.damping * m->give[k];
+    double deep = d > 0.0 ? d : way + SCREE_NO_SPEED;
+    struct scree_normal_force g = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){deep, u, 0.0, 0.0});
+    double damped = g.damping * m->give[k], stiff = m->give[k] * 1.5 * fabs(g.elastic) / deep;
+    if (laws.rub) {
+        double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(lane.friction, lane.friction_pair, d);
+        double across = 2.0 * m->give_aside[k] * steep;
+        rate = across > rate ? across : rate;
+        double spring = m->give_aside[k] * laws.stiffness(lane.friction, lane.friction_pair, deep);
+        stiff = spring > stiff ? spring : stiff;
+    }
+    m->rate[k] = rate;
+    stiff = damped * damped > stiff ? damped * damped : stiff;
+    double steps = 4.0 * step * sqrt(stiff);
+    steps = steps < 63.0 ? steps : 63.0; /* NaN too */
+    m->grid[k] = step / ((1 + (int)steps) * (asked > 0 ? asked : 1));
+    c->odd[k] = laws.cut && c->d[k] > 0.0 && !(force > 0.0) ? 1.0 : 0.0; /* overlapping still after its end */
+}
+
+#endif
