@@ -144,12 +144,12 @@ static struct scree_pair_motion laws_of(const struct scree_contacts *contacts, s
     for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++)
         p.friction_pair.c[c - SCREE_PAIR_FRICTION] = scree_pair(at.batch, c, at.index);
     p.reach = p.normal->reach ? p.normal->reach(p.normal_law, p.normal_pair) : 0.0;
-    p.root = p.normal->root;
+    p.root = p.reach > 0.0 ? 2 : p.normal->root; /* the radius of an adhesive contact ends like a root */
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
     p.trial = p.friction && p.friction->slider && p.friction->damping(p.friction_law, p.friction_pair, 1.0) == 0.0;
     p.turns = !p.normal->turns_smoothly || (p.friction && p.friction->rescaled);
     p.books = contacts->measured;
-    p.substeps = contacts->substeps ? contacts->substeps : p.friction ? 2 : 1;
+    p.substeps = contacts->substeps ? contacts->substeps : p.friction || p.normal->bends ? 2 : 1;
     return p;
 }
 

@@ -311,7 +311,7 @@ static const struct {
 static const struct smooth_pass *smooth_pass_of(const struct scree_rule *rule, const struct scree_batch *batch,
                                                 int first) {
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    if (normal->memory || normal->reach) return NULL;
+    if (normal->memory || normal->reach || normal->bends) return NULL;
     if (rule->friction < 0) return &smooth_alone[rule->normal];
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     struct scree_pair_constants pair = {
