@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const char help[] =
-    "usage: scree-bench stress [--steps N] [--rest]\n"
+    "usage: scree-bench stress [--integrator NAME] [--steps N] [--rest | --alone]\n"
     "\n"
     "Mass and stiffness ratios, stacks, speeds, overlaps, long rests, thin, tiny and huge bodies, fast spins, strong "
     "gravity.\n"
@@ -21,10 +21,12 @@ static const char help[] =
     "word.\n"
     "Cases that stopped, or were warned of, follow a second time with watch = \"halve\", as \"halved: ...\".\n"
     "\n"
-    "  --steps N  steps of the long rests; 10000000 if not given\n"
-    "  --rest     only the long rests of what lies still\n"
+    "  --integrator NAME  verlet (if not given) or pair-impulse\n"
+    "  --steps N          steps of the long rests; 10000000 if not given\n"
+    "  --rest             only long rests of what lies still, under either integrator\n"
+    "  --alone            only that of one ball on a floor\n"
     "\n"
-    "example: scree-bench stress --steps 1000000000\n";
+    "example: scree-bench stress --alone --steps 1000000000\n";
 
 static const double pi = 3.14159265358979323846;
 
@@ -41,6 +43,7 @@ struct row {
 /* Cases run twice: the second time with the step halved where it goes wrong, those that the first time didn't go right. */
 enum { MOST_ROWS = 512 };
 static struct {
+    const char *integrator; /* NULL: as the scene has it */
     int halving, row;
     unsigned char again[MOST_ROWS];
 } run;
@@ -138,12 +141,15 @@ static scree_scene *make(struct row *row, const struct text *text) {
     scree_scene *scene = NULL;
     struct scree_run_request request;
     scree_trouble trouble;
-    static const char *const halve[] = {"time.watch=\"halve\""};
+    const char *changes[2];
+    int count = 0;
+    if (run.integrator) changes[count++] = run.integrator;
+    if (run.halving) changes[count++] = "time.watch=\"halve\"";
     row->end = "refused";
     if (run.halving && !run.again[run.row % MOST_ROWS]) return NULL; /* not wanted */
     row->end = NULL;
     scree_status status =
-        scree_read_scene(text->at, text->size, "stress", halve, run.halving, 1, &scene, &request, &trouble);
+        scree_read_scene(text->at, text->size, "stress", changes, count, 1, &scene, &request, &trouble);
     scree_free_request(&request);
     if (!status) return scene;
     scree_scene_destroy(scene);
@@ -536,23 +542,23 @@ static void lie(const char *what, const char *integrator, const struct text *tex
     scree_scene_destroy(scene);
 }
 
-/* Ten spheres on each other, set down on the overlaps that carry them. Verlet doesn't know at its first step what the contacts do to
+/* Spheres on each other, set down on the overlaps that carry them. Verlet doesn't know at its first step what the contacts do to
  * the bodies, and predicts a free fall of half a step: that swing must die away before it rests. */
-static void lie_stacked(const char *integrator, double gravity, double stiffness, double mass, double length,
+static void lie_stacked(int count, const char *integrator, double gravity, double stiffness, double mass, double length,
                         long steps) {
-    enum { COUNT = 10 };
+    enum { MOST = 10 };
     static struct text text;
-    double radius = 0.01, top = 0.0, heights[COUNT + 1] = {0.0};
+    double radius = 0.01, top = 0.0, heights[MOST + 1] = {0.0};
     char time[128], laws[128], what[64];
     snprintf(time, sizeof time, "step = %.17g\nintegrator = \"%s\"", length, integrator);
     snprintf(laws, sizeof laws, "normal = { law = \"linear-cut\", stiffness = %.17g, restitution = 0.5 }", stiffness);
-    snprintf(what, sizeof what, "stack of ten at %g m/s^2, steps of %g s", gravity, length);
+    snprintf(what, sizeof what, "stack of %d at %g m/s^2, steps of %g s", count, gravity, length);
     head(&text, gravity, time, laws);
     add_floor(&text, laws);
-    for (int k = 0; k < COUNT; k++) {
+    for (int k = 0; k < count; k++) {
         char name[16];
         snprintf(name, sizeof name, "%d", k);
-        top += (k ? 2.0 : 1.0) * radius - (COUNT - k) * mass * gravity / stiffness;
+        top += (k ? 2.0 : 1.0) * radius - (count - k) * mass * gravity / stiffness;
         heights[k + 1] = top;
         add_ball(&text, name, radius, mass, top, 0.0);
     }
@@ -591,8 +597,8 @@ static void lie_in_notch(const char *integrator, int dropped, long steps) {
 static void lies(long steps) {
     static const char *const integrators[] = {"verlet", "pair-impulse"};
     for (int k = 0; k < 2; k++) {
-        lie_stacked(integrators[k], 0.01, 100.0, 1.0, 6e-3, steps);
-        lie_stacked(integrators[k], 9.81, 1e5, 0.03, 2e-5, steps);
+        lie_stacked(10, integrators[k], 0.01, 100.0, 1.0, 6e-3, steps);
+        lie_stacked(10, integrators[k], 9.81, 1e5, 0.03, 2e-5, steps);
         lie_in_notch(integrators[k], 0, steps);
         lie_in_notch(integrators[k], 1, steps);
     }
@@ -743,18 +749,26 @@ static void all(long steps) {
 }
 
 int bench_stress(int count, char **words) {
-    const char *wanted = NULL;
-    int only_rest = 0;
-    const struct cli_option options[] = {
-        {.name = "--steps", .value = &wanted}, {.name = "--rest", .flag = &only_rest}, {0}};
+    const char *wanted = NULL, *integrator = NULL;
+    int only_rest = 0, alone = 0;
+    const struct cli_option options[] = {{.name = "--integrator", .value = &integrator},
+                                         {.name = "--steps", .value = &wanted},
+                                         {.name = "--rest", .flag = &only_rest},
+                                         {.name = "--alone", .flag = &alone},
+                                         {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     long steps = wanted ? cli_whole_number(wanted, "--steps", 2000000000) : 10000000;
     if (!steps) return EXIT_USAGE;
+    if (integrator && strcmp(integrator, "pair-impulse") == 0)
+        run.integrator = "time.integrator=\"pair-impulse\"";
+    else if (integrator && strcmp(integrator, "verlet") != 0)
+        return cli_complain("the integrator is verlet or pair-impulse, not \"%s\"", integrator);
     bench_describe_machine();
     printf("case,parameters,what_happened,error,error_of,bound,said\n");
-    lies(steps);
-    for (run.halving = 0; run.halving < 2 && !only_rest; run.halving++) {
+    if (only_rest) lies(steps);
+    if (alone) lie_stacked(1, run.integrator ? "pair-impulse" : "verlet", 9.81, 1e5, 0.03, 2e-5, steps);
+    for (run.halving = 0; run.halving < 2 && !only_rest && !alone; run.halving++) {
         run.row = 0;
         all(steps);
     }

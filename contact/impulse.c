@@ -144,7 +144,7 @@ static struct scree_pair_motion laws_of(const struct scree_contacts *contacts, s
     for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_COLUMNS; c++)
         p.friction_pair.c[c - SCREE_PAIR_FRICTION] = scree_pair(at.batch, c, at.index);
     p.reach = p.normal->reach ? p.normal->reach(p.normal_law, p.normal_pair) : 0.0;
-    p.root = p.normal->root;
+    p.root = p.reach > 0.0 ? 2 : p.normal->root; /* the radius of an adhesive contact ends like a root */
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
     p.trial = p.friction && p.friction->slider && p.friction->damping(p.friction_law, p.friction_pair, 1.0) == 0.0;
     p.turns = !p.normal->turns_smoothly || (p.friction && p.friction->rescaled);
@@ -417,7 +417,9 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p->normal_give > 0.0 && !covered) {
         double more = extrapolation(p, &o->at);
         int pieces = pieces_for(p, &o->at);
-        p->substeps = contacts->substeps ? contacts->substeps * pieces : p->friction && pieces < 2 ? 2 : pieces;
+        p->substeps = contacts->substeps                                ? contacts->substeps * pieces
+                      : (p->friction || p->normal->bends) && pieces < 2 ? 2
+                                                                        : pieces;
         struct vec last = past_of(batch, 0, place.index);
         struct vec own = vec_axpy(last, more, vec_sub(last, past_of(batch, 1, place.index)));
         p->a = vec_sub(acceleration(&ball, own, more, step), acceleration(&host, own, more, step));

@@ -97,6 +97,10 @@ struct scree_normal_law {
                                        struct scree_pressing at);
     /* Energy that the contact gives back, J. */
     double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at);
+    /* Whether the formula changes between two instants of a contact, other than because approach turns into parting: at an overlap, a
+     * speed, where it yields. NULL: it doesn't. Both have the memory of the first. */
+    int (*bends)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing from,
+                 struct scree_pressing to);
     /* Largest gap at which bodies that have touched still pull each other, m; NULL: none. Such a law keeps in `second` whether
      * they do (> 0). */
     double (*reach)(const struct scree_law_constants *law, struct scree_pair_constants pair);
@@ -221,6 +225,9 @@ static inline double scree_power(double x, double p) {
     if (p == 1.5) return x * sqrt(x);
     return scree_pow(x, p);
 }
+
+/* Whether `x` lies between two numbers. */
+static inline int scree_between(double one, double other, double x) { return (one < x) != (other < x); }
 
 /* Adams' STEP from 0 (w <= 0) to 1 (w >= 1): 3 w^2 - 2 w^3. */
 static inline double scree_step(double w) {

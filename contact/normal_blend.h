@@ -52,6 +52,13 @@ static inline double normal_blend_stored(const struct scree_law_constants *law, 
     return law->c[BLEND_STIFFNESS] * at.overlap * scree_power(at.overlap, p) / (p + 1.0);
 }
 
+/* Where the dashpot has come in fully. */
+static inline int normal_blend_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                     struct scree_pressing from, struct scree_pressing to) {
+    (void)pair;
+    return scree_between(from.overlap, to.overlap, law->c[BLEND_FULL]);
+}
+
 static const struct scree_normal_law scree_normal_blend = {
     .text = {.name = "blend",
              .formula = "F = k d^p + c max(u, 0) S(d/d_full), S(w) = 3 w^2 - 2 w^3",
@@ -67,6 +74,7 @@ static const struct scree_normal_law scree_normal_blend = {
     .pair = scree_any_pair,
     .force = normal_blend_force,
     .stored = normal_blend_stored,
+    .bends = normal_blend_bends,
 };
 
 #endif

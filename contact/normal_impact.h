@@ -30,6 +30,7 @@ static const struct scree_normal_law scree_normal_impact = {
     .pair = scree_any_pair,
     .force = normal_impact_force,
     .stored = normal_blend_stored,
+    .bends = normal_blend_bends,
 };
 
 #endif

@@ -99,6 +99,23 @@ static inline scree_status normal_table_bake(const struct scree_values *values, 
                         "the law \"table\" needs measured forces: rows = [[overlap, force], …] or file = \"….csv\"");
 }
 
+/* Where another interval of the table begins. */
+static inline int normal_table_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                     struct scree_pressing from, struct scree_pressing to) {
+    (void)pair;
+    const struct scree_force_table *t = law->table;
+    double share;
+    if (table_interval(t->overlaps, t->overlap, from.overlap, &share) !=
+        table_interval(t->overlaps, t->overlap, to.overlap, &share))
+        return 1;
+    if (t->speeds == 1) return 0;
+    if (table_interval(t->speeds, t->speed, from.closing, &share) !=
+        table_interval(t->speeds, t->speed, to.closing, &share))
+        return 1;
+    return scree_between(from.closing, to.closing, t->speed[0]) ||
+           scree_between(from.closing, to.closing, t->speed[t->speeds - 1]);
+}
+
 static const struct scree_normal_law scree_normal_table = {
     .text =
         {.name = "table",
@@ -116,6 +133,7 @@ static const struct scree_normal_law scree_normal_table = {
     .pair = scree_any_pair,
     .force = normal_table_force,
     .stored = normal_table_stored,
+    .bends = normal_table_bends,
 };
 
 #endif

@@ -99,6 +99,15 @@ static inline double normal_thornton_restitution(const struct scree_law_constant
     return sqrt(1.2 * sqrt(3.0) * (1.0 - x * x / 6.0) * sqrt(x / (x + 2.0 * root)));
 }
 
+/* Where it yields, for the first time or further, and where it has unloaded. */
+static inline int normal_thornton_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                        struct scree_pressing from, struct scree_pressing to) {
+    if (to.closing > 0.0)
+        return scree_between(from.overlap, to.overlap, fmax(from.first, pair.c[THORNTON_YIELD_OVERLAP]));
+    struct thornton_peak peak = thornton_peak_of(law, pair, from.first);
+    return scree_between(from.overlap, to.overlap, from.first - peak.span);
+}
+
 static const struct scree_normal_law scree_normal_thornton = {
     .text = {.name = "thornton",
              .formula = "F = K d^(3/2) up to yield, F_y + pi R* p_y (d - d_y) beyond; unloads like a Hertzian contact "
@@ -114,6 +123,7 @@ static const struct scree_normal_law scree_normal_thornton = {
     .pair = thornton_pair,
     .force = normal_thornton_force,
     .stored = thornton_stored,
+    .bends = normal_thornton_bends,
     .restitution = normal_thornton_restitution,
 };
 

@@ -73,6 +73,7 @@ static const struct scree_normal_law scree_normal_walton_braun = {
     .pair = walton_braun_pair,
     .force = normal_walton_braun_force,
     .stored = walton_stored,
+    .bends = walton_bends,
     .restitution = normal_walton_braun_restitution,
 };
 

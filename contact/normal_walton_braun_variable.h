@@ -87,6 +87,7 @@ static const struct scree_normal_law scree_normal_walton_braun_variable = {
     .pair = walton_variable_pair,
     .force = normal_walton_braun_variable_force,
     .stored = walton_stored,
+    .bends = walton_bends,
     .restitution = normal_walton_braun_variable_restitution,
 };
 

@@ -134,7 +134,7 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct smooth_pass pass = {.rule = rule, .step = step, .substeps = contacts->substeps};
-    if (normal->memory || normal->reach) return pass;
+    if (normal->memory || normal->reach || normal->bends) return pass;
     int rubs = pass.rubs = rule->friction >= 0, bare = rubs && is_bare(rule, batch, first);
     pass.loops = smooth_loops_of(rule, bare);
     pass.ticks = !rubs || bare;

@@ -31,4 +31,12 @@ static inline double walton_stored(const struct scree_law_constants *law, struct
     return force > 0.0 ? 0.5 * force * force / unloading : 0.0;
 }
 
+/* Where it is pressed further than ever before. */
+static inline int walton_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                               struct scree_pressing from, struct scree_pressing to) {
+    (void)law;
+    (void)pair;
+    return from.overlap < from.first * (1.0 - 1e-12) && to.overlap > from.first;
+}
+
 #endif

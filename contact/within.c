@@ -1,6 +1,6 @@
-/* One contact inside one step of the pair-impulse method: where contact begins, where the dashpot turns round, where a slider breaks
- * loose and where contact ends is located; between these points classical Runge-Kutta, whose variables are overlap and
- * velocity, so that a contact at rest is a fixed point of it to rounding. */
+/* One contact inside one step of the pair-impulse method: where contact begins, where the dashpot turns round, where the law
+ * changes its formula, where a slider breaks loose and where contact ends is located; between these points classical Runge-Kutta,
+ * whose variables are overlap and velocity, so that a contact at rest is a fixed point of it to rounding. */
 #include "contact/within.h"
 
 enum { TRIES = 16 }; /* of the searches for an event inside a step; each at least halves its bracket every third time */
@@ -165,9 +165,10 @@ static struct nearness nearness_of(const struct scree_pair_motion *p, const stru
                                    double time) {
     struct nearness near = far;
     double closing = closing_of(p, at);
-    if (p->root < 2 || closing == 0.0 || at->overlap < 0.0) return near;
-    double distance = at->overlap / fabs(closing);
-    if (closing > 0.0 && distance < 6.0 * time) near.since = distance;
+    double left = at->overlap + p->reach;
+    if (p->root < 2 || closing == 0.0 || left < 0.0) return near;
+    double distance = left / fabs(closing);
+    if (closing > 0.0 && distance < 6.0 * time && p->reach == 0.0) near.since = distance;
     if (closing < 0.0 && distance < 7.0 * time && !p->normal->cut) near.until = distance;
     return near;
 }
@@ -283,7 +284,7 @@ static double still(const struct scree_pair_motion *p, enum event event, const s
 static void shorten(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *from,
                     struct nearness near, double *time, struct scree_pair_instant *to, struct scree_pair_yield *yield) {
     double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to), size = at_low;
-    for (int k = 0; k < TRIES && at_low > 0.0; k++) {
+    for (int k = 0, kept = 0; k < TRIES && at_low > 0.0; k++) {
         double t = high - at_high * (high - low) / (at_high - at_low);
         if (k % 4 == 3) t = 0.5 * (low + high);
         if (event == ENDS && near.until >= 0.0) near.until = t; /* there is the singular point */
@@ -294,13 +295,40 @@ static void shorten(const struct scree_pair_motion *p, enum event event, const s
         if (value > 0.0) {
             low = t;
             at_low = value;
-            at_high *= 0.5;
+            if (kept > 0) at_high *= 0.5;
+            kept = 1;
         } else {
             high = t;
             at_high = value;
-            at_low *= 0.5;
+            if (kept < 0) at_low *= 0.5;
+            kept = -1;
         }
     }
+}
+
+static int bends(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                 const struct scree_pair_instant *to) {
+    if (!p->normal->bends) return 0;
+    struct scree_pressing first = {from->overlap, closing_of(p, from), from->first, from->second};
+    struct scree_pressing then = {to->overlap, closing_of(p, to), from->first, from->second};
+    return p->normal->bends(p->normal_law, p->normal_pair, first, then);
+}
+
+/* Where the law changes its formula within the piece, which is shortened to end just beyond. Returns whether it does; where nothing moves
+ * to speak of, no force changes either. */
+static int shorten_to_bend(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                           struct nearness near, double *time, struct scree_pair_instant *to,
+                           struct scree_pair_yield *yield) {
+    if (!bends(p, from, to) || !(fabs(to->overlap - from->overlap) > 1e-12 * from->overlap)) return 0;
+    double low = 0.0, high = *time;
+    for (int k = 0; k < TRIES; k++) {
+        double t = 0.5 * (low + high);
+        *to = go(p, from, near, t, yield);
+        *(bends(p, from, to) ? &high : &low) = t;
+    }
+    *to = go(p, from, near, high, yield);
+    *time = high;
+    return 1;
 }
 
 /* A slider that has held until now doesn't any more. */
@@ -369,15 +397,18 @@ static void touch(const struct scree_pair_motion *p, struct scree_pair_instant *
         /* Where nothing moves to speak of, no force changes either. */
         int turns =
             p->turns && !turned && closing > 0.0 && closing_of(p, &to) < 0.0 && closing * piece > 1e-12 * at->overlap;
+        if (turns) shorten(p, TURNS, at, near, &piece, &to, &part);
+        int bent = shorten_to_bend(p, at, near, &piece, &to, &part);
+        if (bent) turns = 0;
         int ends = !turns && lasting(p, &to) < 0.0;
-        if (turns || ends) shorten(p, turns ? TURNS : ENDS, at, near, &piece, &to, &part);
+        if (ends) shorten(p, ENDS, at, near, &piece, &to, &part);
         if (ends && !(lasting(p, at) > 0.0)) { /* it ends before it begins */
             fly(p, at, p->step - time, sum);
             return;
         }
         int slips = shorten_to_slip(p, at, near, &piece, &to, &part);
         if (slips) turns = ends = 0;
-        time = turns || ends || slips ? time + piece : goal;
+        time = turns || bent || ends || slips ? time + piece : goal;
         if (!(time < p->step)) time = p->step;
         add(sum, &part, p->step - time);
         *at = to;
@@ -423,6 +454,15 @@ static double begin(const struct scree_pair_motion *p, struct scree_pair_instant
     return start;
 }
 
+/* What the normal law remembers of the touch itself: that there is one, how fast they met. */
+static void meet(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
+    struct scree_pair_instant touching = *at;
+    touching.overlap = SCREE_NO_SPEED; /* m, too */
+    remember(p, &touching);
+    at->first = touching.first;
+    at->second = touching.second;
+}
+
 struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
     struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
     int touches = at->overlap > 0.0;
@@ -436,6 +476,7 @@ struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct
         struct scree_pressing attached = {0.0, 0.0, 0.0, 1.0};
         sum.lost -= p->normal->stored(p->normal_law, p->normal_pair, attached);
     }
+    if (start < p->step && at->overlap == 0.0) meet(p, at);
     if (start < p->step)
         touch(p, at, start, &sum);
     else
