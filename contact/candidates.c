@@ -21,7 +21,9 @@ static double reach_of(const struct scree_contacts *contacts, const struct scree
     return record->bound + 0.5 * contacts->skin;
 }
 
-static int is_bounded(const struct scree_bodies *bodies, int k) { return bodies->shape[k].kind != SCREE_PLANE; }
+static int is_bounded(const struct scree_bodies *bodies, int k) {
+    return scree_kind_of(bodies, k)->shape.kind != SCREE_PLANE;
+}
 
 static double cell_size(const struct grids *grids, int level) { return ldexp(grids->finest, level); }
 
@@ -87,7 +89,7 @@ static void fill_cells(struct scree_contacts *contacts, const struct scree_bodie
 static int bounds_meet(const struct scree_bodies *bodies, int i, int j, double skin) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     if (!is_bounded(bodies, i)) {
-        const struct mat *frame = &bodies->attitude[bodies->slot[i]].frame;
+        const struct mat *frame = &scree_attitude_of(bodies, i)->frame;
         return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= skin;
     }
     double reach = a->bound + b->bound + skin;

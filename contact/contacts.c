@@ -119,9 +119,13 @@ static int has_ball(scree_shape_kind kind) { return kind == SCREE_SPHERE || kind
 
 const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                              int i, int j, int *missing) {
-    if (!scree_joint_can_move(&bodies->joint[i]) && !scree_joint_can_move(&bodies->joint[j])) return NULL;
-    if (!has_ball(bodies->shape[i].kind) && !has_ball(bodies->shape[j].kind)) return NULL;
-    int rule = contacts->rule_of[bodies->material[i] * contacts->materials + bodies->material[j]];
+    if (!scree_joint_can_move(&scree_kind_of(bodies, i)->joint) &&
+        !scree_joint_can_move(&scree_kind_of(bodies, j)->joint))
+        return NULL;
+    if (!has_ball(scree_kind_of(bodies, i)->shape.kind) && !has_ball(scree_kind_of(bodies, j)->shape.kind)) return NULL;
+    int rule =
+        contacts
+            ->rule_of[scree_kind_of(bodies, i)->material * contacts->materials + scree_kind_of(bodies, j)->material];
     if (rule < 0 && missing) *missing = 1;
     if (rule < 0 || !contacts->rule[rule].touches) return NULL;
     return &contacts->rule[rule];

@@ -31,10 +31,10 @@ static double gap_once_deep(const struct scree_bodies *bodies, const struct scre
 double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
-    int slot = bodies->slot[contact->host];
+    int slot = scree_kind_of(bodies, contact->host)->slot;
     const struct scree_attitude *partner = slot >= 0 ? &bodies->attitude[slot] : NULL;
     struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
-    switch (bodies->shape[contact->host].kind) {
+    switch (scree_kind_of(bodies, contact->host)->shape.kind) {
     case SCREE_PLANE:
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
@@ -118,9 +118,9 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
 /* The balls of body `ball` that are near body `host`: its corners, or itself. */
 static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                        const struct scree_rule *rule, int ball, int host, enum pass pass) {
-    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[host].kind));
-    int box = bodies->shape[ball].kind == SCREE_BOX;
-    int first = box ? 1 + 8 * bodies->slot[ball] : 0;
+    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
+    int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
+    int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
@@ -151,8 +151,8 @@ static void take_edges(struct scree_contacts *contacts, const struct scree_bodie
 static void note_depth(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
-    double depth = scree_boxes_depth(apart, &bodies->attitude[bodies->slot[i]], &bodies->attitude[bodies->slot[j]],
-                                     a->radius + b->radius);
+    double depth =
+        scree_boxes_depth(apart, scree_attitude_of(bodies, i), scree_attitude_of(bodies, j), a->radius + b->radius);
     double deep = depth / fmin(a->limit, b->limit);
     if (deep <= contacts->deepest) return;
     contacts->deepest = deep;
@@ -193,7 +193,7 @@ static void take_images(struct scree_contacts *contacts, const struct scree_bodi
 static void take_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
                       enum pass pass) {
     const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, i, j, NULL);
-    scree_shape_kind a = bodies->shape[i].kind, b = bodies->shape[j].kind;
+    scree_shape_kind a = scree_kind_of(bodies, i)->shape.kind, b = scree_kind_of(bodies, j)->shape.kind;
     if (bodies->periodic && a == SCREE_SPHERE && b == SCREE_SPHERE) {
         int swap = bodies->number[i] > bodies->number[j];
         take_images(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
@@ -259,8 +259,8 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
-    double speed =
-        vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * (bodies->slot[k] < 0 ? 0.0 : record->bound);
+    double speed = vec_norm(vec_from(record->v)) +
+                   vec_norm(vec_from(record->w)) * (scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound);
     double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
     double margin = fmin(fmax(steps * way, least), most);
     margin = fmin(fmax(margin, 4.0 * way), spare);
