@@ -88,7 +88,8 @@ int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double 
     /* Nobody looks at the loads of fixed bodies; they pile up unseen. */
     for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square = scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity));
+            double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k]), step,
+                                                  scree_row_of(gravity));
             too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
         } else if (bodies->class[k] == SCREE_CLASS_GENERAL) {
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);

@@ -29,10 +29,10 @@ struct scree_record {
     double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
 };
 
+/* Rows of four take the number behind with them: what writes one writes the next one after it. */
 struct scree_state {
-    double x[3], unused;         /* m */
-    double v[3], inverse_moment; /* m/s; 1/(kg m^2), of a ball about any axis */
-    double l[3], unused_too;     /* angular momentum about the centre, world axes, kg m^2/s */
+    double x[3], v[3];           /* m, m/s */
+    double l[3], inverse_moment; /* angular momentum about the centre, world axes, kg m^2/s; 1/(kg m^2), of a ball */
 };
 
 struct scree_inertia {

@@ -186,7 +186,8 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     drive_to(bodies, time + 0.5 * step);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square = scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity));
+            double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k]), step,
+                                                  scree_row_of(gravity));
             too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
         } else {
             too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);
