@@ -38,20 +38,10 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
     return SCREE_OK;
 }
 
-static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
-    size_t places = 16;
-    while (places < 2 * bodies) places *= 2;
-    contacts->last_place = places - 1;
-    contacts->level = malloc(bodies + 1);
-    contacts->key = malloc((bodies + 1) * sizeof *contacts->key);
-    contacts->next = malloc((bodies + 1) * sizeof *contacts->next);
-    contacts->place = malloc(places * sizeof *contacts->place);
-    contacts->end = malloc((bodies + 2) * sizeof *contacts->end);
+static scree_status make_numbers(struct scree_contacts *contacts, size_t bodies) {
     contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
     contacts->plane = malloc((bodies + 1) * sizeof *contacts->plane);
-    int ok = contacts->spare && contacts->plane && contacts->level && contacts->key && contacts->next &&
-             contacts->place && contacts->end;
-    return ok ? SCREE_OK : SCREE_NO_MEMORY;
+    return contacts->spare && contacts->plane ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
 scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
@@ -67,7 +57,7 @@ scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, 
     size_t cells = (size_t)materials * (size_t)materials;
     contacts->rule = malloc(((size_t)rule_count + 1) * sizeof *contacts->rule);
     contacts->rule_of = malloc((cells + 1) * sizeof *contacts->rule_of);
-    if (!contacts->rule || !contacts->rule_of || make_cells(contacts, (size_t)bodies) ||
+    if (!contacts->rule || !contacts->rule_of || make_numbers(contacts, (size_t)bodies) ||
         make_batches(contacts, rules)) {
         scree_contacts_destroy(contacts);
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contact rules", rule_count);
@@ -86,7 +76,6 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         free(batch->contact);
         free(batch->yield);
         free(batch->segment);
-        free(batch->outer);
         free(batch->moments);
         for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) free(batch->pair[m]);
         for (int m = 0; m < SCREE_MEMORY; m++) free(batch->kept[m]);
@@ -95,21 +84,15 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         free(batch->first_run);
     }
     scree_contacts_free_scratch(contacts);
-    free(contacts->index);
     free(contacts->spare);
     free(contacts->rule);
     free(contacts->rule_of);
     free(contacts->batch);
     free(contacts->batch_of);
     free(contacts->busy);
-    for (int part = 0; part < SCREE_PARTS; part++) free(contacts->found[part].pair);
-    free(contacts->pair);
+    free(contacts->listed.memory);
+    free(contacts->rough.memory);
     free(contacts->plane);
-    free(contacts->level);
-    free(contacts->key);
-    free(contacts->next);
-    free(contacts->place);
-    free(contacts->end);
     free(contacts->returned);
     free(contacts->moving);
     *contacts = (struct scree_contacts){0};

@@ -95,7 +95,7 @@ static int compare_loose(const void *a, const void *b) { return scree_compare_co
 
 /* Candidates come sorted by their lower body, which isn't always the ball: put segment 0 in order. */
 static void sort(struct scree_batch *batch) {
-    struct scree_contact *contact = batch->outer + batch->segment[0].outer_first;
+    struct scree_contact *contact = batch->loose;
     int count = batch->segment[0].outer_count;
     for (int k = 1; k < count; k++)
         if (scree_compare_contacts(&contact[k - 1], &contact[k], 0) > 0) {
@@ -109,8 +109,11 @@ enum pass { COUNT, FILL };
 
 static void take(const struct scree_bodies *bodies, struct scree_batch *batch, const struct scree_contact *contact,
                  enum pass pass) {
-    struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
-    if (pass == FILL) batch->outer[segment->outer_first + segment->outer_count] = *contact;
+    int s = scree_segment_of(bodies, batch, contact);
+    struct scree_part *segment = &batch->segment[s];
+    if (pass == FILL && s == 0) batch->loose[segment->outer_count] = *contact;
+    if (pass == FILL && s > 0)
+        batch->outer[segment->outer_first + segment->outer_count] = (struct scree_ends){contact->ball, contact->host};
     if (!batch->any_turns && scree_contact_turns(batch, contact)) batch->any_turns = 1;
     segment->outer_count++;
 }
@@ -214,8 +217,8 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
 /* Pairs whose first body is at a place from … to - 1. */
 static void take_some(struct scree_contacts *contacts, const struct scree_bodies *bodies, int from, int to,
                       enum pass pass) {
-    int first = from > 0 ? contacts->end[from - 1] : 0, last = to > 0 ? contacts->end[to - 1] : 0;
-    for (int k = first; k < last; k++) take_pair(contacts, bodies, contacts->pair[k].i, contacts->pair[k].j, pass);
+    for (int i = from, p = from > 0 ? contacts->end[from - 1] : 0; i < to; i++)
+        for (; p < contacts->end[i]; p++) take_pair(contacts, bodies, i, contacts->partner[p], pass);
 }
 
 /* Two members make a contact of the first one's slab, or of segment 0 if they are images: where there are none of these, slabs can be
@@ -234,25 +237,35 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
         take_some(contacts, bodies, order->start[slab], order->start[slab + 1], pass);
 }
 
-/* Room for what was counted. */
+/* Room for what was counted; what candidates were found in is free again. */
 static scree_status make_room(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               scree_trouble *trouble) {
+    size_t loose = 0, slabs = 0;
     contacts->busy_batches = 0;
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
-        batch->outer_count = 0;
-        for (int s = 0; s <= bodies->order.slabs; s++) {
-            batch->segment[s].outer_first = batch->outer_count;
-            batch->outer_count += batch->segment[s].outer_count;
+        int count = 0;
+        for (int s = 1; s <= bodies->order.slabs; s++) {
+            batch->segment[s].outer_first = count;
+            count += batch->segment[s].outer_count;
         }
+        slabs += (size_t)count;
+        loose += (size_t)batch->segment[0].outer_count;
+        batch->outer_count = count + batch->segment[0].outer_count;
         if (batch->outer_count) contacts->busy[contacts->busy_batches++] = k;
-        int wanted = batch->outer_count + batch->outer_count / 16 + 8;
-        if (batch->outer_count <= batch->outer_capacity) continue;
-        if (!scree_enlarge(&batch->outer, batch->outer_capacity, wanted, sizeof *batch->outer))
-            return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", wanted);
-        batch->outer_capacity = wanted;
     }
-    return SCREE_OK;
+    scree_status status = scree_make_space(
+        &contacts->listed, loose * sizeof(struct scree_contact) + slabs * sizeof(struct scree_ends), trouble);
+    struct scree_contact *contact = contacts->listed.memory;
+    struct scree_ends *ends = (struct scree_ends *)(contact + loose);
+    for (int k = 0; k < contacts->batches && !status; k++) {
+        struct scree_batch *batch = &contacts->batch[k];
+        batch->loose = contact;
+        batch->outer = ends;
+        contact += batch->segment[0].outer_count;
+        ends += batch->outer_count - batch->segment[0].outer_count;
+    }
+    return status;
 }
 
 /* Give a body a margin out of what is left of its half of the skin: so wide that it lasts for `steps`. 0 if too little is left. */
@@ -303,17 +316,24 @@ static struct columns constants_of(const struct scree_contacts *contacts, const 
     return columns;
 }
 
+static struct scree_contact first_outer(const struct scree_batch *batch) {
+    int s = 0;
+    while (batch->segment[s].outer_count == 0) s++;
+    return scree_outer(batch, s, 0);
+}
+
 /* What the constants of a pair depend on is the same for all contacts. */
 static int is_uniform(const struct scree_bodies *bodies, const struct scree_batch *batch) {
-    const struct scree_contact *first = batch->outer;
-    const struct scree_record *a = &bodies->record[first->ball], *b = &bodies->record[first->host];
-    for (int k = 1; k < batch->outer_count; k++) {
-        const struct scree_contact *one = &batch->outer[k];
-        const struct scree_record *c = &bodies->record[one->ball], *d = &bodies->record[one->host];
-        if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
-            b->inverse_mass != d->inverse_mass)
-            return 0;
-    }
+    struct scree_contact first = first_outer(batch);
+    const struct scree_record *a = &bodies->record[first.ball], *b = &bodies->record[first.host];
+    for (int s = 0; s <= bodies->order.slabs; s++)
+        for (int k = 0; k < batch->segment[s].outer_count; k++) {
+            struct scree_contact one = scree_outer(batch, s, k);
+            const struct scree_record *c = &bodies->record[one.ball], *d = &bodies->record[one.host];
+            if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
+                b->inverse_mass != d->inverse_mass)
+                return 0;
+        }
     return 1;
 }
 
@@ -349,7 +369,8 @@ static scree_status set_common_constants(const struct scree_contacts *contacts, 
     if (!batch->uniform) return SCREE_OK;
     scree_status status = enlarge_constants(batch, SCREE_LANES, trouble);
     if (status) return status;
-    struct columns pair = constants_of(contacts, bodies, batch, &batch->outer[0]);
+    struct scree_contact first = first_outer(batch);
+    struct columns pair = constants_of(contacts, bodies, batch, &first);
     for (int k = 0; k < SCREE_LANES; k++)
         for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][k] = pair.c[c];
     return SCREE_OK;

@@ -28,6 +28,16 @@ int scree_enlarge(void *array, int before, int after, size_t size) {
     return 1;
 }
 
+scree_status scree_make_space(struct scree_space *space, size_t size, scree_trouble *trouble) {
+    if (size <= space->size) return SCREE_OK;
+    size_t room = (size + size / 16 + 63) / 64 * 64;
+    void *memory = aligned_alloc(64, room);
+    if (!memory) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for lists of %zu bytes", room);
+    free(space->memory);
+    *space = (struct scree_space){memory, room};
+    return SCREE_OK;
+}
+
 /* ---- columns ---- */
 
 /* The columns of a batch that belong to its contacts; returns how many. */
@@ -131,18 +141,18 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
     if (segment->outer_count == 0) return 0;
-    const struct scree_contact *outer = batch->outer + segment->outer_first, *old = batch->contact + segment->first;
+    const struct scree_contact *old = batch->contact + segment->first;
     double *column[SCREE_MEMORY + SCREE_PAST], half = 0.5 * contacts->skin;
     int columns = columns_of(batch, column), count = 0, before = 0;
     for (int k = 0; k < segment->outer_count; k++) {
-        const struct scree_contact *one = &outer[k];
+        struct scree_contact one = scree_outer(batch, s, k);
         int order = -1;
-        while (before < segment->count && (order = scree_compare_contacts(&old[before], one, s)) < 0) before++;
+        while (before < segment->count && (order = scree_compare_contacts(&old[before], &one, s)) < 0) before++;
         int same = before < segment->count && order == 0;
-        double left = (half - bodies->record[one->ball].path) + (half - bodies->record[one->host].path);
-        int near = is_near(bodies, batch, one, left, contacts->skin);
+        double left = (half - bodies->record[one.ball].path) + (half - bodies->record[one.host].path);
+        int near = is_near(bodies, batch, &one, left, contacts->skin);
         if (!near && !(same && keeps_something(column, columns, segment->first + before))) continue;
-        scratch->contact[count] = *one;
+        scratch->contact[count] = one;
         scratch->from[count++] = same ? before : -1;
     }
     return count;
@@ -370,26 +380,20 @@ static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *ba
     batch->count = used;
 }
 
-static scree_status room_for_indices(struct scree_contacts *contacts, int most, scree_trouble *trouble) {
-    if (most <= contacts->indices) return SCREE_OK;
-    if (!scree_enlarge(&contacts->index, contacts->indices, most + most / 8, sizeof *contacts->index))
-        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory to sort %d contacts", most);
-    contacts->indices = most + most / 8;
-    return SCREE_OK;
-}
-
 scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble) {
     int most = 0;
     for (int b = 0; b < contacts->batches; b++)
         if (contacts->batch[b].count > most) most = contacts->batch[b].count;
-    scree_status status = room_for_indices(contacts, most, trouble);
+    size_t count = (size_t)bodies->count, each = sizeof(uint64_t) + sizeof(int), indices = (size_t)most * sizeof(int);
+    scree_status status = scree_make_space(&contacts->rough, count * each > indices ? count * each : indices, trouble);
     if (status) return status;
     for (int b = 0; b < contacts->batches; b++) rename_bodies(&contacts->batch[b], bodies->number);
-    scree_bodies_sort(bodies, contacts->skin, contacts->key, contacts->next);
+    uint64_t *key = contacts->rough.memory;
+    scree_bodies_sort(bodies, contacts->skin, key, (int *)(key + count));
     for (int b = 0; b < contacts->batches; b++) {
         rename_bodies(&contacts->batch[b], bodies->place);
-        sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->index);
+        sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->rough.memory);
     }
     return scree_contacts_list(contacts, bodies, threads, trouble);
 }
@@ -482,14 +486,15 @@ static scree_status recode_rule(struct scree_contacts *contacts, const struct sc
     scree_status status = room_for_moving(contacts, out + in, trouble);
     if (!status) status = enlarge_batch(own, padded(in_own + in), trouble);
     if (!status) status = enlarge_batch(image, padded(in_image + out), trouble);
-    if (!status) status = room_for_indices(contacts, in_own + in_image + out + in, trouble);
+    if (!status)
+        status = scree_make_space(&contacts->rough, (size_t)(in_own + in_image + out + in) * sizeof(int), trouble);
     if (status) return status;
     in_own = take_out(contacts, own, in_own, contacts->moving);
     in_image = take_out(contacts, image, in_image, contacts->moving + out);
     put_in(own, in_own, contacts->moving + out, in);
     put_in(image, in_image, contacts->moving, out);
-    sort_batch(bodies, own, in_own + in, contacts->index);
-    sort_batch(bodies, image, in_image + out, contacts->index);
+    sort_batch(bodies, own, in_own + in, contacts->rough.memory);
+    sort_batch(bodies, image, in_image + out, contacts->rough.memory);
     return SCREE_OK;
 }
 

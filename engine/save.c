@@ -348,7 +348,7 @@ static scree_status begin_books(scree_scene *scene) {
 /* Put the bodies where the state has them. */
 static void take_places(struct scree_scene *scene, const struct scree_order *order, const struct body_part *part) {
     struct scree_bodies *bodies = &scene->bodies;
-    int *from = scene->contacts.next;
+    int *from = scene->contacts.rough.memory; /* lists have been made */
     for (int k = 0; k < bodies->count; k++) from[k] = bodies->place[part[k].number];
     scree_bodies_permute(bodies, from);
     bodies->order = *order;

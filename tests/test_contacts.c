@@ -265,10 +265,10 @@ static void check_candidates(double ratio, double spread, int count) {
             const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
             double far = vec_norm(vec_sub(vec_from(a->x), vec_from(b->x)));
             if (i == 0 || far > a->bound + b->bound + contacts->skin) continue; /* the floor is far below */
-            wrong += found >= contacts->pairs || contacts->pair[found].i != i || contacts->pair[found].j != j;
+            wrong += found >= contacts->end[i] || contacts->partner[found] != j;
             found++;
         }
-    CHECK(wrong == 0 && found == contacts->pairs);
+    CHECK(wrong == 0 && found == contacts->pairs && found == contacts->end[count]);
     scree_scene_destroy(scene);
     free(text);
 }
