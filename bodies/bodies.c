@@ -1,5 +1,6 @@
 /* The bodies of a scene: making them from definitions, and their copies for measurements. */
 #include "bodies/bodies.h"
+#include "bodies/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,28 +9,22 @@
 /* Stands for "no limit" where an infinity would turn into a NaN (0 x infinity). */
 static const double unlimited = 1e300;
 
-/* Zeroed memory on a boundary of 64 bytes, so that a four-wide load never straddles cache lines. */
-static void *aligned_zeroed(size_t count, size_t size) {
-    if (count == 0) count = 1;
-    if (count > SIZE_MAX / 2 / size) return NULL;
-    size_t bytes = (count * size + 63) / 64 * 64;
-    void *memory = aligned_alloc(64, bytes);
-    if (memory) memset(memory, 0, bytes);
-    return memory;
+static void *zeroed(size_t count, size_t size) {
+    return count <= SIZE_MAX / 2 / size ? scree_memory(count * size) : NULL;
 }
 
 scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct scree_motion *motion, int motions,
                                  scree_trouble *trouble) {
     size_t n = (size_t)count;
     *bodies = (struct scree_bodies){.count = count, .motion = motion, .motions = motions};
-    bodies->moved = aligned_zeroed((size_t)motions, sizeof *bodies->moved);
-    bodies->record = aligned_zeroed(n, sizeof *bodies->record);
-    bodies->state = aligned_zeroed(n, sizeof *bodies->state);
-    bodies->class = aligned_zeroed(n, sizeof *bodies->class);
-    bodies->kind_of = aligned_zeroed(n, sizeof *bodies->kind_of);
-    bodies->number = aligned_zeroed(n, sizeof *bodies->number);
-    bodies->place = aligned_zeroed(n, sizeof *bodies->place);
-    bodies->slab = aligned_zeroed(n, sizeof *bodies->slab);
+    bodies->moved = zeroed((size_t)motions, sizeof *bodies->moved);
+    bodies->record = zeroed(n, sizeof *bodies->record);
+    bodies->state = zeroed(n, sizeof *bodies->state);
+    bodies->class = zeroed(n, sizeof *bodies->class);
+    bodies->kind_of = zeroed(n, sizeof *bodies->kind_of);
+    bodies->number = zeroed(n, sizeof *bodies->number);
+    bodies->place = zeroed(n, sizeof *bodies->place);
+    bodies->slab = zeroed(n, sizeof *bodies->slab);
     if (bodies->record && bodies->state && bodies->class && bodies->kind_of && bodies->number && bodies->place &&
         bodies->slab && bodies->moved) {
         for (int k = 0; k < count; k++) bodies->number[k] = bodies->place[k] = k;
@@ -42,20 +37,20 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
 
 void scree_bodies_destroy(struct scree_bodies *bodies) {
     for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
-    free(bodies->record);
-    free(bodies->state);
-    free(bodies->class);
-    free(bodies->kind_of);
+    scree_memory_free(bodies->record);
+    scree_memory_free(bodies->state);
+    scree_memory_free(bodies->class);
+    scree_memory_free(bodies->kind_of);
     free(bodies->kind);
-    free(bodies->attitude);
-    free(bodies->corner);
+    scree_memory_free(bodies->attitude);
+    scree_memory_free(bodies->corner);
     free(bodies->motion);
-    free(bodies->moved);
-    free(bodies->number);
-    free(bodies->place);
-    free(bodies->slab);
-    free(bodies->past);
-    free(bodies->push);
+    scree_memory_free(bodies->moved);
+    scree_memory_free(bodies->number);
+    scree_memory_free(bodies->place);
+    scree_memory_free(bodies->slab);
+    scree_memory_free(bodies->past);
+    scree_memory_free(bodies->push);
     *bodies = (struct scree_bodies){0};
 }
 
@@ -182,8 +177,8 @@ static void set_attitude(struct scree_bodies *bodies, int index, const scree_bod
 scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),
                                  const void *context, scree_trouble *trouble) {
     size_t attitudes = (size_t)bodies->attitudes;
-    bodies->attitude = aligned_zeroed(attitudes, sizeof *bodies->attitude);
-    bodies->corner = aligned_zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
+    bodies->attitude = zeroed(attitudes, sizeof *bodies->attitude);
+    bodies->corner = zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
     if (!bodies->attitude || !bodies->corner)
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the attitudes of %zu bodies", attitudes);
     for (int k = 0; k < bodies->count; k++) {
@@ -195,8 +190,8 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*d
 }
 
 scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble) {
-    bodies->past = aligned_zeroed((size_t)bodies->count, sizeof *bodies->past);
-    bodies->push = aligned_zeroed((size_t)bodies->count, sizeof *bodies->push);
+    bodies->past = zeroed((size_t)bodies->count, sizeof *bodies->past);
+    bodies->push = zeroed((size_t)bodies->count, sizeof *bodies->push);
     if (bodies->past && bodies->push) return SCREE_OK;
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the past of %d bodies", bodies->count);
 }
@@ -204,17 +199,17 @@ scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *
 scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,
                                  scree_trouble *trouble) {
     *shadow = *bodies;
-    shadow->record = aligned_zeroed((size_t)bodies->count, sizeof *shadow->record);
-    shadow->attitude = aligned_zeroed((size_t)bodies->attitudes, sizeof *shadow->attitude);
-    shadow->corner = aligned_zeroed(1 + 8 * (size_t)bodies->attitudes, sizeof *shadow->corner);
+    shadow->record = zeroed((size_t)bodies->count, sizeof *shadow->record);
+    shadow->attitude = zeroed((size_t)bodies->attitudes, sizeof *shadow->attitude);
+    shadow->corner = zeroed(1 + 8 * (size_t)bodies->attitudes, sizeof *shadow->corner);
     if (shadow->record && shadow->attitude && shadow->corner) return SCREE_OK;
     scree_bodies_free_shadow(shadow);
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a copy of %d bodies", bodies->count);
 }
 
 void scree_bodies_free_shadow(struct scree_bodies *shadow) {
-    free(shadow->record);
-    free(shadow->attitude);
-    free(shadow->corner);
+    scree_memory_free(shadow->record);
+    scree_memory_free(shadow->attitude);
+    scree_memory_free(shadow->corner);
     *shadow = (struct scree_bodies){0};
 }

@@ -281,7 +281,7 @@ static scree_status share_out(struct scree_contacts *contacts, scree_trouble *tr
     size_t all = 0;
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
-        if (found->count > found->capacity) found->capacity = found->count + found->count / 8 + 16;
+        if (found->count > found->capacity) found->capacity = found->count + found->count / 16 + 16;
         found->first = all;
         all += (size_t)found->capacity;
     }

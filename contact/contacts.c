@@ -1,4 +1,5 @@
 /* Contacts: the table of rules and batches, and what the laws need to know of a pair of bodies. */
+#include "bodies/memory.h"
 #include "contact/loop.h"
 
 #include <stdlib.h>
@@ -73,15 +74,15 @@ scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, 
 void scree_contacts_destroy(struct scree_contacts *contacts) {
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
-        free(batch->contact);
-        free(batch->yield);
+        scree_memory_free(batch->contact);
+        scree_memory_free(batch->yield);
         free(batch->segment);
-        free(batch->moments);
-        for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) free(batch->pair[m]);
-        for (int m = 0; m < SCREE_MEMORY; m++) free(batch->kept[m]);
-        for (int m = 0; m < SCREE_PAST; m++) free(batch->past[m]);
-        free(batch->run);
-        free(batch->first_run);
+        scree_memory_free(batch->moments);
+        for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) scree_memory_free(batch->pair[m]);
+        for (int m = 0; m < SCREE_MEMORY; m++) scree_memory_free(batch->kept[m]);
+        for (int m = 0; m < SCREE_PAST; m++) scree_memory_free(batch->past[m]);
+        scree_memory_free(batch->run);
+        scree_memory_free(batch->first_run);
     }
     scree_contacts_free_scratch(contacts);
     free(contacts->spare);
@@ -90,11 +91,11 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     free(contacts->batch);
     free(contacts->batch_of);
     free(contacts->busy);
-    free(contacts->listed.memory);
-    free(contacts->rough.memory);
+    scree_memory_free(contacts->listed.memory);
+    scree_memory_free(contacts->rough.memory);
     free(contacts->plane);
     free(contacts->returned);
-    free(contacts->moving);
+    scree_memory_free(contacts->moving);
     *contacts = (struct scree_contacts){0};
 }
 

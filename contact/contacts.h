@@ -105,8 +105,8 @@ struct scree_batch {
     int pair_capacity;
     unsigned char keeps[SCREE_MEMORY]; /* which columns there are */
     double *kept[SCREE_MEMORY];
-    struct scree_yield *yield; /* per block of segment 0 */
-    int blocks;                /* room for so many */
+    struct scree_yield *yield;     /* per block of segment 0 */
+    int blocks;                    /* room for so many */
     /* Only of edges on edges: the runs, and of each block the run of its first contact. */
     int runs, run_capacity;
     struct scree_run *run;

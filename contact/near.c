@@ -3,6 +3,7 @@
  *
  * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
  * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
+#include "bodies/memory.h"
 #include "contact/meet.h"
 
 #include <stdlib.h>
@@ -18,22 +19,20 @@ struct scree_scratch {
 static int padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
 
 int scree_enlarge(void *array, int before, int after, size_t size) {
-    size_t used = (size_t)before * size, bytes = ((size_t)after * size + 63) / 64 * 64;
-    void **place = array, *memory = aligned_alloc(64, bytes);
+    void **place = array, *memory = scree_memory((size_t)after * size);
     if (!memory) return 0;
-    if (used) memcpy(memory, *place, used);
-    memset((char *)memory + used, 0, bytes - used);
-    free(*place);
+    if (before) memcpy(memory, *place, (size_t)before * size);
+    scree_memory_free(*place);
     *place = memory;
     return 1;
 }
 
 scree_status scree_make_space(struct scree_space *space, size_t size, scree_trouble *trouble) {
     if (size <= space->size) return SCREE_OK;
-    size_t room = (size + size / 16 + 63) / 64 * 64;
-    void *memory = aligned_alloc(64, room);
+    size_t room = size + size / 16;
+    void *memory = scree_memory(room);
     if (!memory) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for lists of %zu bytes", room);
-    free(space->memory);
+    scree_memory_free(space->memory);
     *space = (struct scree_space){memory, room};
     return SCREE_OK;
 }
@@ -207,10 +206,10 @@ static scree_status prepare_scratch(struct scree_contacts *contacts, int threads
 
 void scree_contacts_free_scratch(struct scree_contacts *contacts) {
     for (int t = 0; t < contacts->scratches; t++) {
-        free(contacts->scratch[t].contact);
-        free(contacts->scratch[t].from);
+        scree_memory_free(contacts->scratch[t].contact);
+        scree_memory_free(contacts->scratch[t].from);
     }
-    free(contacts->scratch);
+    scree_memory_free(contacts->scratch);
     contacts->scratch = NULL;
     contacts->scratches = 0;
 }
