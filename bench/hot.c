@@ -11,7 +11,7 @@
 
 static const char help[] =
     "usage: scree-bench hot [--bodies N] [--threads N] [--steps N] [--repeats N] [--settle N] [--laws NAME]\n"
-    "                       [--integrator NAME] [--write FILE] [--read FILE]\n"
+    "                       [--integrator NAME] [--write FILE] [--read FILE] [--tiles N]\n"
     "\n"
     "Time a step of a settled bed: spheres of 1 mm radius, 2500 kg/m^3, E = 1e7 Pa, nu = 0.25, e = 0.6, mu = 0.5, "
     "within five walls,\n"
@@ -23,14 +23,16 @@ static const char help[] =
     "spring alone. --integrator verlet (default) or pair-impulse. --write keeps the settled bed (positions, "
     "velocities, spins), --read takes it up again, so that "
     "builds can be\n"
-    "compared on one bed. Columns: processor's path (SCREE_ISA=baseline, avx2 or avx512 asks for one), laws, bodies, "
+    "compared on one bed; --tiles lays it out N by N times within the walls (N*N*bodies spheres). Columns: processor's "
+    "path (SCREE_ISA=baseline, avx2 or avx512 asks for one), laws, bodies, "
     "threads;\n"
     "nanoseconds per body and step, median of the repeats and least, and those of the contacts run alone; contacts "
     "that "
     "touch per\n"
     "body, and that are computed; nanoseconds per touching contact and step; near lists made during the repeats, and "
     "nanoseconds per\n"
-    "body for each; the same for outer lists; bytes of memory per body (resident, all told); hash of the state.\n"
+    "body for each; the same for outer lists; bytes of memory per body (resident, all told but the program); hash of "
+    "the state.\n"
     "\n"
     "example: scree-bench hot --bodies 10000 --steps 100 --repeats 9\n";
 
@@ -38,13 +40,14 @@ enum { MOST_REPEATS = 1000 };
 static const double radius = 1e-3;
 
 struct bed {
-    int bodies, side; /* spheres; along each edge of the floor */
-    double edge;      /* of the floor, m */
+    int bodies, side; /* spheres of a tile; along each edge of its floor */
+    double edge;      /* of a tile's floor, m */
+    int tiles;        /* along each edge */
 };
 
 /* The floor: 40 mm for 10000 spheres, 160 mm for 100000. */
-static struct bed bed_of(int bodies) {
-    struct bed bed = {.bodies = bodies, .side = 9};
+static struct bed bed_of(int bodies, int tiles) {
+    struct bed bed = {.bodies = bodies, .side = 9, .tiles = tiles};
     if (bodies > 5000) bed.side = 18;
     if (bodies > 50000) bed.side = 72;
     if (bodies > 500000) bed.side = (int)ceil(sqrt(bodies / 20.0));
@@ -59,9 +62,9 @@ static double jitter(uint64_t *seed) {
 }
 
 /* On a lattice of spacing 2.2 radii, with jitter. */
-static void place_sphere(const struct bed *bed, int k, uint64_t *seed, scree_body_def *def) {
+static void place_sphere(const struct bed *bed, int k, uint64_t *seed, double position[3]) {
     int at[3] = {k % bed->side, k / bed->side % bed->side, k / (bed->side * bed->side)};
-    for (int axis = 0; axis < 3; axis++) def->position[axis] = (1.3 + 2.2 * at[axis] + 0.09 * jitter(seed)) * radius;
+    for (int axis = 0; axis < 3; axis++) position[axis] = (1.3 + 2.2 * at[axis] + 0.09 * jitter(seed)) * radius;
 }
 
 static void check(scree_scene *scene, scree_status status) {
@@ -100,38 +103,69 @@ static void add_laws(scree_scene *scene, const char *laws) {
     check(scene, scree_scene_add_contact(scene, &contact));
 }
 
-/* A bed as it begins; from a file (positions, velocities, spins) if there is one. */
+/* Position, velocity and spin of a sphere. */
+struct stored {
+    double position[3], velocity[3], spin[3];
+};
+
+static struct stored *read_bed(const char *name, int bodies) {
+    FILE *file = fopen(name, "rb");
+    if (!file) exit(cli_complain("%s can't be read", name));
+    struct stored *stored = malloc((size_t)bodies * sizeof *stored);
+    if (!stored || fread(stored, sizeof *stored, (size_t)bodies, file) != (size_t)bodies)
+        exit(cli_complain("the bed that was read is too short"));
+    fclose(file);
+    return stored;
+}
+
+/* The spheres of all tiles; as in a tile that was read if there is one. */
+static void add_spheres(scree_scene *scene, const struct bed *bed, const struct stored *start) {
+    int count = bed->bodies * bed->tiles * bed->tiles;
+    double(*positions)[3] = malloc((size_t)count * sizeof *positions);
+    double(*velocities)[3] = start ? malloc((size_t)count * sizeof *velocities) : NULL;
+    double(*spins)[3] = start ? malloc((size_t)count * sizeof *spins) : NULL;
+    if (!positions || (start && (!velocities || !spins))) exit(cli_complain("no memory for %d spheres", count));
+    uint64_t seed = 1;
+    for (int k = 0; k < count; k++) {
+        int tile = k / bed->bodies, own = k % bed->bodies;
+        place_sphere(bed, own, &seed, positions[k]);
+        if (start) {
+            memcpy(positions[k], start[own].position, sizeof *positions);
+            memcpy(velocities[k], start[own].velocity, sizeof *velocities);
+            memcpy(spins[k], start[own].spin, sizeof *spins);
+        }
+        positions[k][0] += tile % bed->tiles * bed->edge;
+        positions[k][1] += tile / bed->tiles * bed->edge;
+    }
+    scree_spheres_def def = {.name = "s", .count = count, .radius = radius, .material = 0};
+    def.positions = (const double(*)[3])positions;
+    def.velocities = (const double(*)[3])velocities;
+    def.spins = (const double(*)[3])spins;
+    check(scene, scree_scene_add_spheres(scene, &def, NULL));
+    free(positions);
+    free(velocities);
+    free(spins);
+}
+
+/* A bed as it begins. */
 static scree_scene *make_bed(const struct bed *bed, const char *laws, scree_integrator integrator, int threads,
-                             FILE *start) {
+                             const struct stored *start) {
     scree_scene *scene = scree_scene_create();
     if (!scene) exit(EXIT_MISSED);
     scree_material_def glass = {.name = "glass", .density = 2500.0, .young = 1e7, .poisson = 0.25};
     scree_gravity_def gravity = {.vector = {0.0, 0.0, -9.81}};
     scree_time_def time = {.step = 1e-5, .threads = threads, .speed = 0.5, .integrator = integrator};
+    double edge = bed->tiles * bed->edge;
     check(scene, scree_scene_add_material(scene, &glass, NULL));
     check(scene, scree_scene_set_gravity(scene, &gravity));
     check(scene, scree_scene_set_time(scene, &time));
     add_laws(scene, laws);
     add_wall(scene, "floor", 0.0, 0.0, (double[]){0.0, 0.0, 1.0});
     add_wall(scene, "west", 0.0, 0.0, (double[]){1.0, 0.0, 0.0});
-    add_wall(scene, "east", bed->edge, 0.0, (double[]){-1.0, 0.0, 0.0});
+    add_wall(scene, "east", edge, 0.0, (double[]){-1.0, 0.0, 0.0});
     add_wall(scene, "south", 0.0, 0.0, (double[]){0.0, 1.0, 0.0});
-    add_wall(scene, "north", 0.0, bed->edge, (double[]){0.0, -1.0, 0.0});
-    uint64_t seed = 1;
-    for (int k = 0; k < bed->bodies; k++) {
-        char name[16];
-        double stored[9];
-        snprintf(name, sizeof name, "s%d", k);
-        scree_body_def def = {.name = name, .shape = {.kind = SCREE_SPHERE, .radius = radius}};
-        place_sphere(bed, k, &seed, &def);
-        if (start) {
-            if (fread(stored, sizeof stored, 1, start) != 1) exit(cli_complain("the bed that was read is too short"));
-            memcpy(def.position, stored, sizeof def.position);
-            memcpy(def.velocity, stored + 3, sizeof def.velocity);
-            memcpy(def.spin, stored + 6, sizeof def.spin);
-        }
-        check(scene, scree_scene_add_body(scene, &def, NULL));
-    }
+    add_wall(scene, "north", 0.0, edge, (double[]){0.0, -1.0, 0.0});
+    add_spheres(scene, bed, start);
     check(scene, scree_scene_bake(scene));
     return scene;
 }
@@ -149,13 +183,13 @@ static void write_bed(const scree_scene *scene, const char *name) {
     if (failed) exit(cli_complain("%s can't be written", name));
 }
 
-/* Bytes of this process that lie in memory. */
+/* Bytes of this process that lie in memory, without those of files, which are the program and its libraries. */
 static double resident(void) {
-    long pages = 0, ignored;
+    long pages = 0, of_files = 0, ignored;
     FILE *file = fopen("/proc/self/statm", "r");
-    if (file && fscanf(file, "%ld %ld", &ignored, &pages) != 2) pages = 0;
+    if (file && fscanf(file, "%ld %ld %ld", &ignored, &pages, &of_files) != 3) pages = of_files = 0;
     if (file) fclose(file);
-    return (double)pages * (double)sysconf(_SC_PAGESIZE);
+    return (double)(pages - of_files) * (double)sysconf(_SC_PAGESIZE);
 }
 
 /* Nanoseconds per body of stages run alone, on the scene as it is at the end: contacts, a near list, an outer list with its near
@@ -178,54 +212,69 @@ static struct stages time_stages(scree_scene *scene, int bodies, int threads, in
     return stages;
 }
 
+/* Contacts that touch, at the instant of the records: without the copy of these that measuring takes otherwise. */
+static int count_touching(const scree_scene *scene) {
+    const struct scree_contacts *contacts = &scene->contacts;
+    struct scree_touch touch;
+    int count = 0;
+    for (int b = 0; b < contacts->batches; b++)
+        for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k))
+            count += scree_contacts_measure(contacts, &scene->bodies, b, k, &touch);
+    return count;
+}
+
 struct request {
     const char *laws, *write, *read;
     scree_integrator integrator;
-    int bodies, threads, steps, repeats, settle;
+    int bodies, threads, steps, repeats, settle, tiles;
 };
 
 static void run(const struct request *request) {
     static double times[MOST_REPEATS];
-    struct bed bed = bed_of(request->bodies);
+    struct bed bed = bed_of(request->bodies, request->tiles);
+    int bodies = request->bodies * request->tiles * request->tiles;
     double before = resident();
-    FILE *start = request->read ? fopen(request->read, "rb") : NULL;
-    if (request->read && !start) exit(cli_complain("%s can't be read", request->read));
+    struct stored *start = request->read ? read_bed(request->read, request->bodies) : NULL;
     scree_scene *scene = make_bed(&bed, request->laws, request->integrator, request->threads, start);
-    if (start) fclose(start);
+    free(start);
     bench_step(scene, request->settle);
     if (request->write) write_bed(scene, request->write);
     long lists = scene->contacts.rebuilds, renewals = scene->contacts.renewals, listed = 0;
     for (int r = 0; r < request->repeats; r++) {
         double from = bench_now();
         bench_step(scene, request->steps);
-        times[r] = (bench_now() - from) / ((double)request->steps * request->bodies) * 1e9;
+        times[r] = (bench_now() - from) / ((double)request->steps * bodies) * 1e9;
     }
     lists = scene->contacts.rebuilds - lists;
     renewals = scene->contacts.renewals - renewals;
     for (int b = 0; b < scene->contacts.batches; b++) listed += scene->contacts.batch[b].count;
-    double bytes = (resident() - before) / request->bodies;
-    int touching = 0;
-    check(scene, scree_scene_contacts(scene, NULL, 0, &touching));
-    double median = bench_median(times, request->repeats), contacts = (double)touching / request->bodies;
+    double bytes = (resident() - before) / bodies;
+    int touching = count_touching(scene);
+    double median = bench_median(times, request->repeats), contacts = (double)touching / bodies;
     uint64_t hash = scree_scene_hash(scene);
-    struct stages stages = time_stages(scene, request->bodies, request->threads, request->steps);
+    struct stages stages = time_stages(scene, bodies, request->threads, request->steps);
     printf("%s,%s,%d,%d,%.2f,%.2f,%.2f,%.3f,%.3f,%.2f,%ld,%.1f,%ld,%.0f,%.0f,%016llx\n", scene->contacts.loop->name,
-           request->laws, request->bodies, request->threads, median, times[0], stages.contacts, contacts,
-           (double)listed / request->bodies, median / contacts, renewals, stages.near, lists, stages.outer, bytes,
+           request->laws, bodies, request->threads, median, times[0], stages.contacts, contacts,
+           (double)listed / bodies, median / contacts, renewals, stages.near, lists, stages.outer, bytes,
            (unsigned long long)hash);
     scree_scene_destroy(scene);
 }
 
 int bench_hot(int count, char **words) {
     const char *integrator = "verlet", *bodies = "10000", *threads = "1", *steps = "100", *repeats = "9",
-               *settle = "15000";
+               *settle = "15000", *tiles = "1";
     struct request request = {.laws = "mindlin"};
-    const struct cli_option options[] = {
-        {.name = "--bodies", .value = &bodies},         {.name = "--threads", .value = &threads},
-        {.name = "--steps", .value = &steps},           {.name = "--repeats", .value = &repeats},
-        {.name = "--settle", .value = &settle},         {.name = "--laws", .value = &request.laws},
-        {.name = "--integrator", .value = &integrator}, {.name = "--write", .value = &request.write},
-        {.name = "--read", .value = &request.read},     {0}};
+    const struct cli_option options[] = {{.name = "--bodies", .value = &bodies},
+                                         {.name = "--threads", .value = &threads},
+                                         {.name = "--steps", .value = &steps},
+                                         {.name = "--repeats", .value = &repeats},
+                                         {.name = "--settle", .value = &settle},
+                                         {.name = "--laws", .value = &request.laws},
+                                         {.name = "--integrator", .value = &integrator},
+                                         {.name = "--write", .value = &request.write},
+                                         {.name = "--read", .value = &request.read},
+                                         {.name = "--tiles", .value = &tiles},
+                                         {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (strcmp(integrator, "pair-impulse") == 0)
@@ -237,7 +286,9 @@ int bench_hot(int count, char **words) {
     request.steps = cli_whole_number(steps, "--steps", 100000000);
     request.repeats = cli_whole_number(repeats, "--repeats", MOST_REPEATS);
     request.settle = cli_whole_number(settle, "--settle", 100000000);
-    if (!request.bodies || !request.threads || !request.steps || !request.repeats || !request.settle) return EXIT_USAGE;
+    request.tiles = cli_whole_number(tiles, "--tiles", 30);
+    if (!request.bodies || !request.tiles || !request.threads || !request.steps || !request.repeats || !request.settle)
+        return EXIT_USAGE;
     bench_describe_machine();
     printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"
            "contact_step_ns,near_lists,near_list_ns,outer_lists,outer_list_ns,bytes_per_body,hash\n");

@@ -28,10 +28,11 @@ static void place_corners(const struct scree_attitude *attitude, double (*corner
 
 /* Set the attitude that contacts see, and what follows from it. */
 static void face(struct scree_bodies *bodies, int index, struct quat q) {
-    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     attitude->ahead = q;
     attitude->frame = quat_to_mat(q);
-    if (bodies->shape[index].kind == SCREE_BOX) place_corners(attitude, bodies->corner + 1 + 8 * bodies->slot[index]);
+    if (scree_kind_of(bodies, index)->shape.kind == SCREE_BOX)
+        place_corners(attitude, bodies->corner + 1 + 8 * scree_kind_of(bodies, index)->slot);
 }
 
 static void clear_loads(struct scree_record *record) {
@@ -41,11 +42,11 @@ static void clear_loads(struct scree_record *record) {
 
 /* Attitude and spin half a step ahead; a body that can't turn keeps both. */
 static void look_ahead_turn(struct scree_bodies *bodies, int index, double step) {
-    const scree_joint *joint = &bodies->joint[index];
+    const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     if (joint->turn == SCREE_FIXED) return;
     struct scree_record *record = &bodies->record[index];
-    const struct scree_inertia *inertia = &bodies->inertia[index];
-    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    const struct scree_inertia *inertia = &scree_kind_of(bodies, index)->inertia;
+    const struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     struct scree_motion_value turn = {0};
     if (joint->turn == SCREE_DRIVEN) turn = bodies->moved[joint->turn_motion];
     struct vec l = vec_from(bodies->state[index].l);
@@ -60,12 +61,12 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
                               double margin) {
     struct scree_record *record = &bodies->record[index];
     const struct scree_state *state = &bodies->state[index];
-    const struct scree_inertia *inertia = &bodies->inertia[index];
-    const scree_joint *joint = &bodies->joint[index];
+    const struct scree_inertia *inertia = &scree_kind_of(bodies, index)->inertia;
+    const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     struct vec before = vec_from(record->x);
     for (int k = 0; k < 3; k++) {
         if (joint->along[k] == SCREE_DRIVEN) {
-            record->x[k] = bodies->origin[index][k] + bodies->moved[joint->along_motion[k]].position;
+            record->x[k] = scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
             record->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
             record->x[k] = state->x[k] + 0.5 * step * state->v[k];
@@ -75,7 +76,7 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
     look_ahead_turn(bodies, index, step);
     clear_loads(record);
     /* A plane turns about its normal only, so its turning moves no surface. */
-    double reach = bodies->shape[index].kind == SCREE_PLANE ? 0.0 : record->bound;
+    double reach = scree_kind_of(bodies, index)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
     double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(vec_from(record->w)) * reach;
     return scree_outgrown(record, way, margin);
 }
@@ -87,7 +88,8 @@ int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double 
     /* Nobody looks at the loads of fixed bodies; they pile up unseen. */
     for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square = scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity));
+            double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k]), step,
+                                                  scree_row_of(gravity));
             too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
         } else if (bodies->class[k] == SCREE_CLASS_GENERAL) {
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);
@@ -102,14 +104,14 @@ int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double ste
 }
 
 static void advance_turn(struct scree_bodies *bodies, int index, double step) {
-    const scree_joint *joint = &bodies->joint[index];
+    const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     if (joint->turn == SCREE_FIXED) return;
     struct scree_state *state = &bodies->state[index];
-    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     double angle = joint->turn == SCREE_DRIVEN ? bodies->moved[joint->turn_motion].position : 0.0;
     for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
         state->l[k] = settle(state->l[k] + bodies->record[index].t[k]);
-    struct quat q = rotate(attitude, &bodies->inertia[index], joint, attitude->ahead, &attitude->frame,
+    struct quat q = rotate(attitude, &scree_kind_of(bodies, index)->inertia, joint, attitude->ahead, &attitude->frame,
                            vec_from(state->l), 0.5 * step, 1, angle);
     quat_store(q, attitude->q);
 }
@@ -117,14 +119,14 @@ static void advance_turn(struct scree_bodies *bodies, int index, double step) {
 static void advance_general(struct scree_bodies *bodies, int index, double step, const double gravity[3]) {
     const struct scree_record *record = &bodies->record[index];
     struct scree_state *state = &bodies->state[index];
-    const scree_joint *joint = &bodies->joint[index];
+    const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     for (int k = 0; k < 3; k++) {
         if (joint->along[k] == SCREE_DRIVEN) {
-            state->x[k] = bodies->origin[index][k] + bodies->moved[joint->along_motion[k]].position;
+            state->x[k] = scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
             state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
-            state->v[k] =
-                settle(state->v[k] + (bodies->inertia[index].inverse_mass[k] * record->f[k] + step * gravity[k]));
+            state->v[k] = settle(state->v[k] + (scree_kind_of(bodies, index)->inertia.inverse_mass[k] * record->f[k] +
+                                                step * gravity[k]));
             state->x[k] = record->x[k] + 0.5 * step * state->v[k];
         }
     }
@@ -147,11 +149,11 @@ void scree_bodies_advance(struct scree_bodies *bodies, double time, double step,
 }
 
 struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, double time) {
-    const struct scree_inertia *inertia = &bodies->inertia[index];
-    const scree_joint *joint = &bodies->joint[index];
+    const struct scree_inertia *inertia = &scree_kind_of(bodies, index)->inertia;
+    const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     struct vec l = vec_from(bodies->state[index].l);
-    if (bodies->slot[index] < 0) return vec_scale(inertia->inverse_moments[0], l);
-    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    if (scree_kind_of(bodies, index)->slot < 0) return vec_scale(inertia->inverse_moments[0], l);
+    const struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     struct mat frame = quat_to_mat(quat_from(attitude->q));
     double rate = 0.0;
     if (joint->turn == SCREE_DRIVEN) rate = scree_motion_at(&bodies->motion[joint->turn_motion], time).velocity;
@@ -164,7 +166,7 @@ static void look_now(const struct scree_bodies *bodies, int index, double time, 
     memcpy(record->v, bodies->state[index].v, sizeof record->v);
     vec_store(scree_bodies_spin(bodies, index, time), record->w);
     clear_loads(record);
-    if (shadow->slot[index] >= 0) face(shadow, index, quat_from(shadow->attitude[shadow->slot[index]].q));
+    if (scree_kind_of(shadow, index)->slot >= 0) face(shadow, index, quat_from(scree_attitude_of(shadow, index)->q));
 }
 
 void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow) {
@@ -174,7 +176,7 @@ void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struc
 }
 
 void scree_body_look_now(const struct scree_bodies *bodies, int index, double time, struct scree_bodies *shadow) {
-    int slot = bodies->slot[index];
+    int slot = scree_kind_of(bodies, index)->slot;
     shadow->record[index] = bodies->record[index];
     if (slot >= 0) shadow->attitude[slot] = bodies->attitude[slot];
     look_now(bodies, index, time, shadow);
@@ -188,14 +190,15 @@ int scree_body_look_ahead(struct scree_bodies *bodies, int index, double step, c
 void scree_bodies_start(struct scree_bodies *bodies, double time) {
     drive_to(bodies, time);
     for (int k = 0; k < bodies->count; k++) {
-        const scree_joint *joint = &bodies->joint[k];
+        const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
         for (int axis = 0; axis < 3; axis++) {
             if (joint->along[axis] != SCREE_DRIVEN) continue;
-            bodies->state[k].x[axis] = bodies->origin[k][axis] + bodies->moved[joint->along_motion[axis]].position;
+            bodies->state[k].x[axis] =
+                scree_kind_of(bodies, k)->origin[axis] + bodies->moved[joint->along_motion[axis]].position;
             bodies->state[k].v[axis] = bodies->moved[joint->along_motion[axis]].velocity;
         }
         if (joint->turn != SCREE_DRIVEN) continue;
-        struct scree_attitude *attitude = &bodies->attitude[bodies->slot[k]];
+        struct scree_attitude *attitude = scree_attitude_of(bodies, k);
         struct quat turned = turn_about(vec_from(attitude->axis), bodies->moved[joint->turn_motion].position);
         quat_store(quat_multiply(turned, quat_from(attitude->start)), attitude->q);
     }

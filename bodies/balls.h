@@ -36,29 +36,42 @@ static inline scree_row scree_row_settle(scree_row a) {
     return (scree_row)((scree_bits)a & ~(scree_bits)(size < least));
 }
 
-/* Kick by the impulses in the record and by gravity at mid-step, and drift to the end of the step. */
-static inline void scree_ball_advance(const struct scree_record *record, struct scree_state *state, double step,
-                                      scree_row gravity) {
+/* The rows of a state; fourth numbers are as they come, but for the moment's in the last. */
+struct scree_ball_rows {
+    scree_row x, v, l;
+};
+
+static inline struct scree_ball_rows scree_ball_rows(const struct scree_state *state) {
+    return (struct scree_ball_rows){*(const scree_row *)state->x, *(const scree_row *)state->v,
+                                    *(const scree_row *)state->l};
+}
+
+/* Kick by the impulses in the record and by gravity at mid-step, and drift to the end of the step. Returns the new state. */
+static inline struct scree_ball_rows scree_ball_advance(const struct scree_record *record, struct scree_state *state,
+                                                        double step, scree_row gravity) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t;
     scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
     scree_row v = scree_row_settle(*(const scree_row *)state->v + kick);
     scree_row l = scree_row_settle(*(const scree_row *)state->l + *t);
-    scree_row_put(v, state->v);
-    scree_row_put(*(const scree_row *)record->x + scree_row_times(0.5 * step, v), state->x);
-    scree_row_put(l, state->l);
+    scree_row x = *(const scree_row *)record->x + scree_row_times(0.5 * step, v);
+    l[3] = state->inverse_moment;
+    *(scree_row *)state->x = x; /* in this order: each row begins where the fourth number of the one before lies */
+    *(scree_row *)state->v = v;
+    *(scree_row *)state->l = l;
+    return (struct scree_ball_rows){x, v, l};
 }
 
 /* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. Returns the square of the speed, with
  * which the path has yet to grow: roots are taken for many balls at once. */
-static inline double scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
+static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows state, double step,
                                            scree_row gravity) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};
-    scree_row v = *(const scree_row *)state->v, square = v * v;
+    scree_row square = state.v * state.v;
     scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
-    scree_row ahead = *(const scree_row *)state->l + scree_row_times(0.5, *t);
-    scree_row_put(*(const scree_row *)state->x + scree_row_times(0.5 * step, v), record->x);
-    scree_row_put(v + scree_row_times(0.5, kick), record->v);
-    scree_row_put(scree_row_times(state->inverse_moment, ahead), record->w);
+    scree_row ahead = state.l + scree_row_times(0.5, *t);
+    scree_row_put(state.x + scree_row_times(0.5 * step, state.v), record->x);
+    scree_row_put(state.v + scree_row_times(0.5, kick), record->v);
+    scree_row_put(scree_row_times(state.l[3], ahead), record->w);
     scree_row_put(none, record->f);
     scree_row_put(none, record->t);
     return square[0] + square[1] + square[2];
@@ -66,8 +79,16 @@ static inline double scree_ball_look_ahead(struct scree_record *record, const st
 
 #else
 /* Processors without such rows: number by number. The same bits. */
-static inline void scree_ball_advance(const struct scree_record *record, struct scree_state *state, double step,
-                                      scree_row gravity) {
+struct scree_ball_rows {
+    const struct scree_state *state;
+};
+
+static inline struct scree_ball_rows scree_ball_rows(const struct scree_state *state) {
+    return (struct scree_ball_rows){state};
+}
+
+static inline struct scree_ball_rows scree_ball_advance(const struct scree_record *record, struct scree_state *state,
+                                                        double step, scree_row gravity) {
     for (int k = 0; k < 3; k++) {
         double v = state->v[k] + (record->inverse_mass * record->f[k] + step * gravity[k]),
                l = state->l[k] + record->t[k];
@@ -75,10 +96,12 @@ static inline void scree_ball_advance(const struct scree_record *record, struct 
         state->x[k] = record->x[k] + 0.5 * step * state->v[k];
         state->l[k] = fabs(l) < 1e-140 ? 0.0 : l;
     }
+    return (struct scree_ball_rows){state};
 }
 
-static inline double scree_ball_look_ahead(struct scree_record *record, const struct scree_state *state, double step,
+static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows rows, double step,
                                            scree_row gravity) {
+    const struct scree_state *state = rows.state;
     const double *v = state->v;
     for (int k = 0; k < 3; k++) {
         double kick = record->inverse_mass * record->f[k] + step * gravity[k];

@@ -1,5 +1,6 @@
 /* The bodies of a scene: making them from definitions, and their copies for measurements. */
 #include "bodies/bodies.h"
+#include "bodies/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,36 +9,24 @@
 /* Stands for "no limit" where an infinity would turn into a NaN (0 x infinity). */
 static const double unlimited = 1e300;
 
-/* Zeroed memory on a boundary of 64 bytes, so that a four-wide load never straddles cache lines. */
-static void *aligned_zeroed(size_t count, size_t size) {
-    if (count == 0) count = 1;
-    if (count > SIZE_MAX / 2 / size) return NULL;
-    size_t bytes = (count * size + 63) / 64 * 64;
-    void *memory = aligned_alloc(64, bytes);
-    if (memory) memset(memory, 0, bytes);
-    return memory;
+static void *zeroed(size_t count, size_t size) {
+    return count <= SIZE_MAX / 2 / size ? scree_memory(count * size) : NULL;
 }
 
 scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct scree_motion *motion, int motions,
                                  scree_trouble *trouble) {
     size_t n = (size_t)count;
     *bodies = (struct scree_bodies){.count = count, .motion = motion, .motions = motions};
-    bodies->moved = aligned_zeroed((size_t)motions, sizeof *bodies->moved);
-    bodies->record = aligned_zeroed(n, sizeof *bodies->record);
-    bodies->state = aligned_zeroed(n, sizeof *bodies->state);
-    bodies->inertia = aligned_zeroed(n, sizeof *bodies->inertia);
-    bodies->class = aligned_zeroed(n, sizeof *bodies->class);
-    bodies->shape = aligned_zeroed(n, sizeof *bodies->shape);
-    bodies->joint = aligned_zeroed(n, sizeof *bodies->joint);
-    bodies->material = aligned_zeroed(n, sizeof *bodies->material);
-    bodies->origin = aligned_zeroed(n, sizeof *bodies->origin);
-    bodies->slot = aligned_zeroed(n, sizeof *bodies->slot);
-    bodies->number = aligned_zeroed(n, sizeof *bodies->number);
-    bodies->place = aligned_zeroed(n, sizeof *bodies->place);
-    bodies->slab = aligned_zeroed(n, sizeof *bodies->slab);
-    if (bodies->record && bodies->state && bodies->inertia && bodies->class && bodies->shape && bodies->joint &&
-        bodies->material && bodies->origin && bodies->slot && bodies->number && bodies->place && bodies->slab &&
-        bodies->moved) {
+    bodies->moved = zeroed((size_t)motions, sizeof *bodies->moved);
+    bodies->record = zeroed(n, sizeof *bodies->record);
+    bodies->state = zeroed(n, sizeof *bodies->state);
+    bodies->class = zeroed(n, sizeof *bodies->class);
+    bodies->kind_of = zeroed(n, sizeof *bodies->kind_of);
+    bodies->number = zeroed(n, sizeof *bodies->number);
+    bodies->place = zeroed(n, sizeof *bodies->place);
+    bodies->slab = zeroed(n, sizeof *bodies->slab);
+    if (bodies->record && bodies->state && bodies->class && bodies->kind_of && bodies->number && bodies->place &&
+        bodies->slab && bodies->moved) {
         for (int k = 0; k < count; k++) bodies->number[k] = bodies->place[k] = k;
         memset(bodies->slab, -1, n);
         return SCREE_OK;
@@ -48,24 +37,20 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
 
 void scree_bodies_destroy(struct scree_bodies *bodies) {
     for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
-    free(bodies->record);
-    free(bodies->state);
-    free(bodies->inertia);
-    free(bodies->class);
-    free(bodies->shape);
-    free(bodies->joint);
-    free(bodies->material);
-    free(bodies->origin);
-    free(bodies->slot);
-    free(bodies->attitude);
-    free(bodies->corner);
+    scree_memory_free(bodies->record);
+    scree_memory_free(bodies->state);
+    scree_memory_free(bodies->class);
+    scree_memory_free(bodies->kind_of);
+    free(bodies->kind);
+    scree_memory_free(bodies->attitude);
+    scree_memory_free(bodies->corner);
     free(bodies->motion);
-    free(bodies->moved);
-    free(bodies->number);
-    free(bodies->place);
-    free(bodies->slab);
-    free(bodies->past);
-    free(bodies->push);
+    scree_memory_free(bodies->moved);
+    scree_memory_free(bodies->number);
+    scree_memory_free(bodies->place);
+    scree_memory_free(bodies->slab);
+    scree_memory_free(bodies->past);
+    scree_memory_free(bodies->push);
     *bodies = (struct scree_bodies){0};
 }
 
@@ -92,26 +77,69 @@ static void set_inertia(struct scree_inertia *inertia, const scree_body_def *def
     }
 }
 
-void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density) {
+/* ---- kinds ---- */
+
+static int is_ball(const struct scree_kind *kind, enum scree_body_class class) {
+    return kind->shape.kind == SCREE_SPHERE && class != SCREE_CLASS_GENERAL;
+}
+
+/* Two balls in all that a kind says. */
+static int are_alike(const struct scree_kind *a, const struct scree_kind *b) {
+    return a->slot == b->slot && a->material == b->material && a->inertia.mass == b->inertia.mass &&
+           a->shape.kind == b->shape.kind && a->shape.radius == b->shape.radius &&
+           a->shape.rounding == b->shape.rounding && memcmp(a->shape.edge, b->shape.edge, sizeof a->shape.edge) == 0 &&
+           memcmp(&a->joint, &b->joint, sizeof a->joint) == 0;
+}
+
+/* Balls come in groups: one that is alike is among the last few, if there is one. */
+static int find_alike(const struct scree_bodies *bodies, const struct scree_kind *kind) {
+    enum { FEW = 16 };
+    for (int k = bodies->kinds - 1; k >= 0 && k >= bodies->kinds - FEW; k--)
+        if (are_alike(&bodies->kind[k], kind)) return k;
+    return -1;
+}
+
+/* Give the body its kind. */
+static scree_status choose_kind(struct scree_bodies *bodies, int index, const struct scree_kind *kind,
+                                scree_trouble *trouble) {
+    int alike = kind->slot < 0 ? find_alike(bodies, kind) : -1;
+    bodies->kind_of[index] = alike >= 0 ? alike : bodies->kinds;
+    if (alike >= 0) return SCREE_OK;
+    if (bodies->kinds == bodies->kind_capacity) {
+        int capacity = bodies->kinds + bodies->kinds / 4 + 8;
+        struct scree_kind *grown = realloc(bodies->kind, (size_t)capacity * sizeof *grown);
+        if (!grown) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d kinds of bodies", capacity);
+        bodies->kind = grown;
+        bodies->kind_capacity = capacity;
+    }
+    bodies->kind[bodies->kinds++] = *kind;
+    return SCREE_OK;
+}
+
+scree_status scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density,
+                              scree_trouble *trouble) {
     struct scree_record *record = &bodies->record[index];
     struct scree_state *state = &bodies->state[index];
-    bodies->shape[index] = def->shape;
-    bodies->joint[index] = def->joint;
-    bodies->material[index] = def->material;
-    bodies->class[index] = classify(def);
-    set_inertia(&bodies->inertia[index], def, density);
-    for (int k = 0; k < 3; k++) {
-        bodies->origin[index][k] = state->x[k] = record->x[k] = def->position[k];
-        state->v[k] = def->velocity[k];
-        state->l[k] = bodies->inertia[index].moments[0] * def->spin[k]; /* right for balls; finish does the others */
+    struct scree_kind kind = {.shape = def->shape, .joint = def->joint, .material = def->material, .slot = -1};
+    bodies->class[index] = (unsigned char)classify(def);
+    set_inertia(&kind.inertia, def, density);
+    if (!is_ball(&kind, bodies->class[index])) {
+        kind.slot = bodies->attitudes++;
+        memcpy(kind.origin, def->position, sizeof kind.origin);
     }
-    const struct scree_inertia *inertia = &bodies->inertia[index];
+    for (int k = 0; k < 3; k++) {
+        state->x[k] = record->x[k] = def->position[k];
+        state->v[k] = def->velocity[k];
+        state->l[k] = kind.inertia.moments[0] * def->spin[k]; /* right for balls; finish does the others */
+    }
+    const struct scree_inertia *inertia = &kind.inertia;
     record->inverse_mass = fmax(inertia->inverse_mass[0], fmax(inertia->inverse_mass[1], inertia->inverse_mass[2]));
     state->inverse_moment = inertia->inverse_moments[0];
     record->radius = def->shape.kind == SCREE_SPHERE ? def->shape.radius : 0.0;
     if (def->shape.kind == SCREE_BOX) record->radius = def->shape.rounding;
     record->limit = fmin(0.5 * scree_shape_half_width(&def->shape), unlimited);
     record->bound = fmin(scree_shape_bound(&def->shape), unlimited);
+    return choose_kind(bodies, index, &kind, trouble);
 }
 
 struct quat scree_start_attitude(const scree_body_def *def) {
@@ -121,8 +149,8 @@ struct quat scree_start_attitude(const scree_body_def *def) {
 }
 
 static void set_attitude(struct scree_bodies *bodies, int index, const scree_body_def *def) {
-    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
-    const struct scree_inertia *inertia = &bodies->inertia[index];
+    struct scree_attitude *attitude = scree_attitude_of(bodies, index);
+    const struct scree_inertia *inertia = &scree_kind_of(bodies, index)->inertia;
     struct quat q = scree_start_attitude(def);
     attitude->ahead = q;
     attitude->frame = quat_to_mat(q);
@@ -148,17 +176,13 @@ static void set_attitude(struct scree_bodies *bodies, int index, const scree_bod
 
 scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),
                                  const void *context, scree_trouble *trouble) {
-    for (int k = 0; k < bodies->count; k++) {
-        int ball = bodies->shape[k].kind == SCREE_SPHERE && bodies->class[k] != SCREE_CLASS_GENERAL;
-        bodies->slot[k] = ball ? -1 : bodies->attitudes++;
-    }
     size_t attitudes = (size_t)bodies->attitudes;
-    bodies->attitude = aligned_zeroed(attitudes, sizeof *bodies->attitude);
-    bodies->corner = aligned_zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
+    bodies->attitude = zeroed(attitudes, sizeof *bodies->attitude);
+    bodies->corner = zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
     if (!bodies->attitude || !bodies->corner)
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the attitudes of %zu bodies", attitudes);
     for (int k = 0; k < bodies->count; k++) {
-        if (bodies->slot[k] < 0) continue;
+        if (scree_kind_of(bodies, k)->slot < 0) continue;
         scree_body_def one = def(context, k);
         set_attitude(bodies, k, &one);
     }
@@ -166,8 +190,8 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*d
 }
 
 scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble) {
-    bodies->past = aligned_zeroed((size_t)bodies->count, sizeof *bodies->past);
-    bodies->push = aligned_zeroed((size_t)bodies->count, sizeof *bodies->push);
+    bodies->past = zeroed((size_t)bodies->count, sizeof *bodies->past);
+    bodies->push = zeroed((size_t)bodies->count, sizeof *bodies->push);
     if (bodies->past && bodies->push) return SCREE_OK;
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the past of %d bodies", bodies->count);
 }
@@ -175,17 +199,17 @@ scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *
 scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,
                                  scree_trouble *trouble) {
     *shadow = *bodies;
-    shadow->record = aligned_zeroed((size_t)bodies->count, sizeof *shadow->record);
-    shadow->attitude = aligned_zeroed((size_t)bodies->attitudes, sizeof *shadow->attitude);
-    shadow->corner = aligned_zeroed(1 + 8 * (size_t)bodies->attitudes, sizeof *shadow->corner);
+    shadow->record = zeroed((size_t)bodies->count, sizeof *shadow->record);
+    shadow->attitude = zeroed((size_t)bodies->attitudes, sizeof *shadow->attitude);
+    shadow->corner = zeroed(1 + 8 * (size_t)bodies->attitudes, sizeof *shadow->corner);
     if (shadow->record && shadow->attitude && shadow->corner) return SCREE_OK;
     scree_bodies_free_shadow(shadow);
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a copy of %d bodies", bodies->count);
 }
 
 void scree_bodies_free_shadow(struct scree_bodies *shadow) {
-    free(shadow->record);
-    free(shadow->attitude);
-    free(shadow->corner);
+    scree_memory_free(shadow->record);
+    scree_memory_free(shadow->attitude);
+    scree_memory_free(shadow->corner);
     *shadow = (struct scree_bodies){0};
 }

@@ -3,7 +3,7 @@
  * Three temperatures:
  *   record   what contacts read and write, every step, two bodies a contact: five rows of four doubles;
  *   state    positions and momenta at the end of the last step, read once a step;
- *   the rest mass properties, attitudes of bodies that have one, joints.
+ *   the rest mass properties, joints, shapes: once for all balls that are alike; attitudes of bodies that have one.
  *
  * The step is Verlet's in its position form (drift, kick, drift: Tuckerman, Berne & Martyna 1992): contacts are
  * evaluated half a step ahead of the state, where positions are x + h v/2 and velocities are predicted from the
@@ -29,10 +29,10 @@ struct scree_record {
     double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
 };
 
+/* Rows of four take the number behind with them: what writes one writes the next one after it. */
 struct scree_state {
-    double x[3], unused;         /* m */
-    double v[3], inverse_moment; /* m/s; 1/(kg m^2), of a ball about any axis */
-    double l[3], unused_too;     /* angular momentum about the centre, world axes, kg m^2/s */
+    double x[3], v[3];           /* m, m/s */
+    double l[3], inverse_moment; /* angular momentum about the centre, world axes, kg m^2/s; 1/(kg m^2), of a ball */
 };
 
 struct scree_inertia {
@@ -70,6 +70,16 @@ struct scree_push {
     double moment[4];    /* what they and all others add to: first moment of the step's impulses about its end, N s^2 */
 };
 
+/* What doesn't change while the scene runs. Balls that are alike share one; every other body has its own. */
+struct scree_kind {
+    scree_shape shape;
+    scree_joint joint;
+    struct scree_inertia inertia;
+    double origin[3]; /* start position, from which driven coordinates count, m; of balls zero */
+    int material;
+    int slot; /* row in `attitude`, -1 for balls */
+};
+
 enum scree_body_class {
     SCREE_CLASS_FIXED,  /* never moves */
     SCREE_CLASS_BALL,   /* a free sphere: no attitude is kept */
@@ -96,13 +106,10 @@ struct scree_bodies {
     signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
     struct scree_state *state;
-    struct scree_inertia *inertia;
-    enum scree_body_class *class;
-    scree_shape *shape;
-    scree_joint *joint;
-    int *material;
-    double (*origin)[3]; /* start position, from which driven coordinates count */
-    int *slot;           /* row in `attitude`, -1 for balls */
+    unsigned char *class; /* enum scree_body_class */
+    int *kind_of;         /* row in `kind`: see scree_kind_of */
+    int kinds, kind_capacity;
+    struct scree_kind *kind;
     int attitudes;
     struct scree_attitude *attitude;
     double (*corner)[4]; /* row 0 is zero (a sphere's ball); row 1 + 8 slot + c: corner c from the centre, world axes */
@@ -115,6 +122,15 @@ struct scree_bodies {
     double low[3], period[3]; /* where the box begins and after what length all repeats, m; 0: never */
 };
 
+static inline struct scree_kind *scree_kind_of(const struct scree_bodies *bodies, int index) {
+    return &bodies->kind[bodies->kind_of[index]];
+}
+
+/* Of a body that isn't a ball. */
+static inline struct scree_attitude *scree_attitude_of(const struct scree_bodies *bodies, int index) {
+    return &bodies->attitude[scree_kind_of(bodies, index)->slot];
+}
+
 /* Space for `count` bodies, zeroed; SCREE_NO_MEMORY leaves nothing behind. Takes over `motions` motions. */
 scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct scree_motion *motion, int motions,
                                  scree_trouble *trouble);
@@ -126,8 +142,9 @@ double scree_body_mass(const scree_body_def *def, double density);
 /* Attitude that a definition asks for, normalised. */
 struct quat scree_start_attitude(const scree_body_def *def);
 
-/* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. */
-void scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density);
+/* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. SCREE_NO_MEMORY. */
+scree_status scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density,
+                              scree_trouble *trouble);
 
 /* Give every body that isn't a ball its attitude, from its definition; call once after all bodies are set. */
 scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),

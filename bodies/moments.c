@@ -33,14 +33,14 @@ static void advance_ball(const struct scree_record *record, const double moment[
 }
 
 static void turn_by_moments(struct scree_bodies *bodies, int index, double step) {
-    const scree_joint *joint = &bodies->joint[index];
+    const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     if (joint->turn == SCREE_FIXED) return;
     struct scree_state *state = &bodies->state[index];
-    struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     double angle = joint->turn == SCREE_DRIVEN ? bodies->moved[joint->turn_motion].position : 0.0;
     struct vec second = vec_axpy(vec_from(state->l), 2.0 / step, vec_from(bodies->past[index].turn_moment));
-    struct quat q = rotate(attitude, &bodies->inertia[index], joint, attitude->ahead, &attitude->frame, second,
-                           0.5 * step, 1, angle);
+    struct quat q = rotate(attitude, &scree_kind_of(bodies, index)->inertia, joint, attitude->ahead, &attitude->frame,
+                           second, 0.5 * step, 1, angle);
     for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
         state->l[k] = settle(state->l[k] + bodies->record[index].t[k]);
     quat_store(q, attitude->q);
@@ -52,7 +52,7 @@ void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, d
         const struct scree_record *record = &bodies->record[index];
         struct scree_past *past = &bodies->past[index];
         struct scree_state *state = &bodies->state[index];
-        const scree_joint *joint = &bodies->joint[index];
+        const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
         if (bodies->class[index] == SCREE_CLASS_FIXED) continue;
         if (bodies->class[index] == SCREE_CLASS_BALL) {
             advance_ball(record, bodies->push[index].moment, state, step, gravity);
@@ -61,10 +61,11 @@ void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, d
         }
         for (int k = 0; k < 3; k++) {
             if (joint->along[k] == SCREE_DRIVEN) {
-                state->x[k] = bodies->origin[index][k] + bodies->moved[joint->along_motion[k]].position;
+                state->x[k] = scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
                 state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
             } else if (joint->along[k] == SCREE_FREE) {
-                advance_along(k, record, bodies->push[index].moment, state, &bodies->inertia[index], step, gravity);
+                advance_along(k, record, bodies->push[index].moment, state, &scree_kind_of(bodies, index)->inertia,
+                              step, gravity);
             }
         }
         turn_by_moments(bodies, index, step);
@@ -75,15 +76,15 @@ void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, d
 /* Accelerations in the coming step that no contact causes; motions are at its end, `now` at its start. */
 static void know(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, double step,
                  const double gravity[3], struct scree_past *past) {
-    const scree_joint *joint = &bodies->joint[index];
+    const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     const struct scree_record *record = &now->record[index];
     for (int k = 0; k < 3; k++) {
         if (joint->along[k] == SCREE_FREE) past->known[k] = gravity[k];
         if (joint->along[k] == SCREE_DRIVEN)
             past->known[k] = (bodies->moved[joint->along_motion[k]].velocity - record->v[k]) / step;
     }
-    if (bodies->slot[index] < 0 || joint->turn == SCREE_FIXED) return;
-    const struct scree_attitude *attitude = &now->attitude[now->slot[index]];
+    if (scree_kind_of(bodies, index)->slot < 0 || joint->turn == SCREE_FIXED) return;
+    const struct scree_attitude *attitude = scree_attitude_of(now, index);
     struct vec spin = vec_from(record->w), turn = {0.0, 0.0, 0.0};
     if (joint->turn == SCREE_DRIVEN) {
         struct vec later = vec_scale(bodies->moved[joint->turn_motion].velocity, vec_from(attitude->axis));
@@ -100,18 +101,18 @@ static void know(const struct scree_bodies *bodies, const struct scree_bodies *n
 static double range_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, double step) {
     const struct scree_past *past = &bodies->past[index];
     const struct scree_record *record = &now->record[index];
-    const struct scree_inertia *inertia = &bodies->inertia[index];
+    const struct scree_inertia *inertia = &scree_kind_of(bodies, index)->inertia;
     const double *inverse = inertia->inverse_moments;
     double spin = vec_norm(vec_from(record->w)), mass = 0.0;
     double turn = fmax(inverse[0], fmax(inverse[1], inverse[2]));
-    if (bodies->slot[index] >= 0) turn = fmax(turn, bodies->attitude[bodies->slot[index]].inverse_hinge);
+    if (scree_kind_of(bodies, index)->slot >= 0) turn = fmax(turn, scree_attitude_of(bodies, index)->inverse_hinge);
     for (int k = 0; k < 3; k++) mass = fmax(mass, inertia->inverse_mass[k]);
     double push = 2.0 * vec_norm(vec_from(past->f[0])) + vec_norm(vec_from(past->f[1]));
     double twist = 2.0 * vec_norm(vec_from(past->t[0])) + vec_norm(vec_from(past->t[1]));
     double along = vec_norm(vec_from(record->v)) + mass * push + step * vec_norm(vec_from(past->known));
     double around = spin + turn * twist + step * (vec_norm(vec_from(past->known_turn)) + spin * spin);
     /* A plane's turning about its normal moves no surface. */
-    double reach = bodies->shape[index].kind == SCREE_PLANE ? 0.0 : record->bound;
+    double reach = scree_kind_of(bodies, index)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
     return 2.0 * step * (along + around * reach);
 }
 
@@ -119,7 +120,8 @@ static double range_of(const struct scree_bodies *bodies, const struct scree_bod
 static void prepare_push(const struct scree_bodies *bodies, int index, double step) {
     const struct scree_past *past = &bodies->past[index];
     struct scree_push *push = &bodies->push[index];
-    const double *mass = bodies->inertia[index].inverse_mass, moment = bodies->inertia[index].inverse_moments[0];
+    const double *mass = scree_kind_of(bodies, index)->inertia.inverse_mass,
+                 moment = scree_kind_of(bodies, index)->inertia.inverse_moments[0];
     for (int k = 0; k < 3; k++) {
         push->along[k] = past->known[k] + mass[k] * past->f[0][k] / step;
         push->more[k] = mass[k] * (past->f[0][k] - past->f[1][k]) / step;
@@ -184,7 +186,8 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     drive_to(bodies, time + 0.5 * step);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square = scree_ball_look_ahead(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity));
+            double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k]), step,
+                                                  scree_row_of(gravity));
             too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
         } else {
             too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);
@@ -194,10 +197,10 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
 }
 
 struct mat scree_bodies_inverse_inertia(const struct scree_bodies *bodies, int index) {
-    const double *inverse = bodies->inertia[index].inverse_moments;
+    const double *inverse = scree_kind_of(bodies, index)->inertia.inverse_moments;
     struct mat m = {{{inverse[0], 0.0, 0.0}, {0.0, inverse[0], 0.0}, {0.0, 0.0, inverse[0]}}};
-    if (bodies->slot[index] < 0) return m;
-    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[index]];
+    if (scree_kind_of(bodies, index)->slot < 0) return m;
+    const struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     struct vec axis = vec_from(attitude->axis);
     for (int k = 0; k < 3; k++) {
         struct vec unit = vec(k == 0, k == 1, k == 2);

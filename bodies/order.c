@@ -14,7 +14,8 @@ static double mean_radius(const struct scree_bodies *bodies) {
     int count = 0;
     for (int k = 0; k < bodies->count; k++) { /* by numbers: the sum mustn't depend on the order */
         int place = bodies->place[k];
-        if (bodies->shape[place].kind != SCREE_SPHERE || bodies->class[place] == SCREE_CLASS_GENERAL) continue;
+        if (scree_kind_of(bodies, place)->shape.kind != SCREE_SPHERE || bodies->class[place] == SCREE_CLASS_GENERAL)
+            continue;
         sum += bodies->record[place].radius;
         count++;
     }
@@ -22,7 +23,7 @@ static double mean_radius(const struct scree_bodies *bodies) {
 }
 
 static int is_member(const struct scree_bodies *bodies, int k, double mean) {
-    return bodies->shape[k].kind == SCREE_SPHERE && bodies->class[k] != SCREE_CLASS_GENERAL &&
+    return scree_kind_of(bodies, k)->shape.kind == SCREE_SPHERE && bodies->class[k] != SCREE_CLASS_GENERAL &&
            bodies->record[k].radius <= largest * mean;
 }
 
@@ -170,12 +171,9 @@ void scree_bodies_permute(struct scree_bodies *bodies, int *from) {
         void *array;
         size_t size;
     } arrays[] = {
-        {bodies->record, sizeof *bodies->record},     {bodies->state, sizeof *bodies->state},
-        {bodies->inertia, sizeof *bodies->inertia},   {bodies->class, sizeof *bodies->class},
-        {bodies->shape, sizeof *bodies->shape},       {bodies->joint, sizeof *bodies->joint},
-        {bodies->material, sizeof *bodies->material}, {bodies->origin, sizeof *bodies->origin},
-        {bodies->slot, sizeof *bodies->slot},         {bodies->past, sizeof *bodies->past},
-        {bodies->number, sizeof *bodies->number},
+        {bodies->record, sizeof *bodies->record}, {bodies->state, sizeof *bodies->state},
+        {bodies->class, sizeof *bodies->class},   {bodies->kind_of, sizeof *bodies->kind_of},
+        {bodies->past, sizeof *bodies->past},     {bodies->number, sizeof *bodies->number},
     };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         scree_permute(arrays[k].array, arrays[k].size, from, count);

@@ -4,16 +4,22 @@
 #include "contact/contacts.h"
 #include "contact/geometry.h"
 
+#include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 
 enum { LEVELS = 64 };
 
-/* The finest grid's cell, and which grids hold bodies. */
+/* The finest grid's cell, and which grids hold bodies. Per body its grid, its cell's key and the next body of the chain; the first
+ * body of each chain. */
 struct grids {
     double finest;
     int used[LEVELS];
     int highest;
+    uint32_t *key;
+    int *next, *place;
+    uint32_t last_place; /* number of places, a power of two, less one */
+    unsigned char *level;
 };
 
 /* Radius within which a body looks for others, half of the skin included. */
@@ -21,32 +27,49 @@ static double reach_of(const struct scree_contacts *contacts, const struct scree
     return record->bound + 0.5 * contacts->skin;
 }
 
-static int is_bounded(const struct scree_bodies *bodies, int k) { return bodies->shape[k].kind != SCREE_PLANE; }
+static int is_bounded(const struct scree_bodies *bodies, int k) {
+    return scree_kind_of(bodies, k)->shape.kind != SCREE_PLANE;
+}
 
 static double cell_size(const struct grids *grids, int level) { return ldexp(grids->finest, level); }
 
+static scree_status make_grids(struct scree_contacts *contacts, size_t bodies, struct grids *grids,
+                               scree_trouble *trouble) {
+    size_t places = 16;
+    while (places < bodies) places *= 2;
+    scree_status status = scree_make_space(&contacts->rough, (places + 2 * bodies) * sizeof(int) + bodies, trouble);
+    if (status) return status;
+    int *memory = contacts->rough.memory;
+    *grids = (struct grids){.finest = HUGE_VAL,
+                            .place = memory,
+                            .next = memory + places,
+                            .key = (uint32_t *)(memory + places + bodies),
+                            .level = (unsigned char *)(memory + places + 2 * bodies),
+                            .last_place = (uint32_t)(places - 1)};
+    return SCREE_OK;
+}
+
 /* Put each body into the grid whose cells are just as large as its diameter. */
-static struct grids choose_levels(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
-    struct grids grids = {.finest = HUGE_VAL};
+static void choose_levels(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                          struct grids *grids) {
     double coarsest = 0.0;
     for (int k = 0; k < bodies->count; k++) {
         if (!is_bounded(bodies, k)) continue;
         double size = 2.0 * reach_of(contacts, &bodies->record[k]);
-        grids.finest = fmin(grids.finest, size);
+        grids->finest = fmin(grids->finest, size);
         coarsest = fmax(coarsest, size);
     }
-    grids.finest = fmax(grids.finest, ldexp(coarsest, 2 - LEVELS));
+    grids->finest = fmax(grids->finest, ldexp(coarsest, 2 - LEVELS));
     for (int k = 0; k < bodies->count; k++) {
         if (!is_bounded(bodies, k)) continue;
         int level;
-        double share = frexp(2.0 * reach_of(contacts, &bodies->record[k]) / grids.finest, &level);
+        double share = frexp(2.0 * reach_of(contacts, &bodies->record[k]) / grids->finest, &level);
         if (share == 0.5) level--; /* just that power of two */
         level = level > 0 ? level : 0;
-        contacts->level[k] = (unsigned char)level;
-        grids.used[level] = 1;
-        if (level > grids.highest) grids.highest = level;
+        grids->level[k] = (unsigned char)level;
+        grids->used[level] = 1;
+        if (level > grids->highest) grids->highest = level;
     }
-    return grids;
 }
 
 /* Number of the cell along one axis; what is beyond exact whole numbers shares the outermost one. */
@@ -65,29 +88,29 @@ static uint64_t mix(uint64_t key, double cell) {
 
 static uint64_t key_of_level(int level) { return 0x9e3779b97f4a7c15u * (uint64_t)(level + 1); }
 
-static uint64_t key_of(int level, const double cell[3]) {
-    return mix(mix(mix(key_of_level(level), cell[0]), cell[1]), cell[2]);
+static uint32_t key_of(int level, const double cell[3]) {
+    return (uint32_t)mix(mix(mix(key_of_level(level), cell[0]), cell[1]), cell[2]);
 }
 
 /* Each cell's bodies as a chain; cells whose keys fall on one place share a chain. */
-static void fill_cells(struct scree_contacts *contacts, const struct scree_bodies *bodies, const struct grids *grids) {
-    for (size_t k = 0; k <= contacts->last_place; k++) contacts->place[k] = -1;
+static void fill_cells(const struct scree_bodies *bodies, struct grids *grids) {
+    for (size_t k = 0; k <= grids->last_place; k++) grids->place[k] = -1;
     for (int k = bodies->count - 1; k >= 0; k--) {
         if (!is_bounded(bodies, k)) continue;
-        double size = cell_size(grids, contacts->level[k]), cell[3];
+        double size = cell_size(grids, grids->level[k]), cell[3];
         for (int axis = 0; axis < 3; axis++)
             cell[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
-        contacts->key[k] = key_of(contacts->level[k], cell);
-        size_t place = (size_t)contacts->key[k] & contacts->last_place;
-        contacts->next[k] = contacts->place[place];
-        contacts->place[place] = k;
+        grids->key[k] = key_of(grids->level[k], cell);
+        uint32_t place = grids->key[k] & grids->last_place;
+        grids->next[k] = grids->place[place];
+        grids->place[place] = k;
     }
 }
 
 static int bounds_meet(const struct scree_bodies *bodies, int i, int j, double skin) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     if (!is_bounded(bodies, i)) {
-        const struct mat *frame = &bodies->attitude[bodies->slot[i]].frame;
+        const struct mat *frame = &scree_attitude_of(bodies, i)->frame;
         return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= skin;
     }
     double reach = a->bound + b->bound + skin;
@@ -102,34 +125,31 @@ struct seeker {
     const struct scree_bodies *bodies;
     const struct grids *grids;
     struct scree_found *found;
+    struct scree_body_pair *pair; /* of this part */
 };
 
-/* Take up the pair if its bounds and its materials meet. */
+/* Take up the pair if its bounds and its materials meet; what there is no room for is counted. */
 static void add_pair(struct seeker *s, int i, int j) {
     struct scree_found *found = s->found;
     if (!bounds_meet(s->bodies, i, j, s->contacts->skin)) return;
-    if (found->failed || !scree_contacts_rule(s->contacts, s->bodies, i, j, NULL)) return;
-    if (found->count == found->capacity) {
-        int capacity = 64 + found->capacity + found->capacity / 2;
-        found->failed = !scree_enlarge(&found->pair, found->capacity, capacity, sizeof *found->pair);
-        if (found->failed) return;
-        found->capacity = capacity;
-    }
-    found->pair[found->count++] = (struct scree_body_pair){i < j ? i : j, i < j ? j : i};
+    if (!scree_contacts_rule(s->contacts, s->bodies, i, j, NULL)) return;
+    if (found->count < found->capacity) s->pair[found->count] = (struct scree_body_pair){i < j ? i : j, i < j ? j : i};
+    found->count++;
 }
 
 /* Partners of body k in the cell of a key; `after`: only those of higher number, in its own cell, so that each pair is found
  * once. */
-static void look_into(struct seeker *s, int k, uint64_t key, int after) {
-    const struct scree_contacts *contacts = s->contacts;
-    for (int other = contacts->place[(size_t)key & contacts->last_place]; other >= 0; other = contacts->next[other])
-        if (contacts->key[other] == key && !(after && other <= k)) add_pair(s, k, other);
+static void look_into(struct seeker *s, int k, uint64_t mixed, int after) {
+    const struct grids *grids = s->grids;
+    uint32_t key = (uint32_t)mixed;
+    for (int other = grids->place[key & grids->last_place]; other >= 0; other = grids->next[other])
+        if (grids->key[other] == key && other != k && !(after && other < k)) add_pair(s, k, other);
 }
 
 /* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are enough, since
  * the other half look from there. */
 static void look_beside(struct seeker *s, int k) {
-    int level = s->contacts->level[k];
+    int level = s->grids->level[k];
     double size = cell_size(s->grids, level), own[3];
     for (int axis = 0; axis < 3; axis++)
         own[axis] = cell_of(in_box(s->bodies, s->bodies->record[k].x[axis], axis), size);
@@ -162,7 +182,7 @@ static void look_around(struct seeker *s, int k, int level) {
     const struct scree_bodies *bodies = s->bodies;
     const struct scree_record *record = &bodies->record[k];
     double size = cell_size(s->grids, level), far = reach_of(s->contacts, record) + 0.5 * size, at[3];
-    int own = level == s->contacts->level[k];
+    int own = level == s->grids->level[k];
     if (!bodies->periodic) {
         look_about(s, k, level, record->x, far, size, 0);
         return;
@@ -188,81 +208,100 @@ static void look(struct seeker *s, int k) {
     const struct scree_contacts *contacts = s->contacts;
     for (int p = 0; p < contacts->planes; p++) add_pair(s, contacts->plane[p], k);
     look_beside(s, k);
-    for (int level = contacts->level[k] + !s->bodies->periodic; level <= s->grids->highest; level++)
+    for (int level = s->grids->level[k] + !s->bodies->periodic; level <= s->grids->highest; level++)
         if (s->grids->used[level]) look_around(s, k, level);
 }
 
-/* The pairs of body i, from `first` to `end`, in order of j as they come, from place `kept` on; those found twice, through cells with
+/* The partners of a body, from `first` to `end`, in order as they come, from place `kept` on; those found twice, through cells with
  * equal keys, once. Returns the place after the last. */
-static int order_partners(struct scree_body_pair *pair, int first, int end, int kept) {
+static int order_partners(int *partner, int first, int end, int kept) {
     int begin = kept;
     for (int p = first; p < end; p++) {
-        struct scree_body_pair one = pair[p];
-        int place = kept;
-        while (place > begin && pair[place - 1].j > one.j) place--;
-        if (place > begin && pair[place - 1].j == one.j) continue;
-        for (int q = kept++; q > place; q--) pair[q] = pair[q - 1];
-        pair[place] = one;
+        int one = partner[p], place = kept;
+        while (place > begin && partner[place - 1] > one) place--;
+        if (place > begin && partner[place - 1] == one) continue;
+        for (int q = kept++; q > place; q--) partner[q] = partner[q - 1];
+        partner[place] = one;
     }
     return kept;
 }
 
-/* By (i, j): a count of each i gives its place. */
-static void sort_pairs(struct scree_contacts *contacts, int bodies) {
-    int *start = contacts->end, kept = 0;
-    for (int k = 0; k <= bodies; k++) start[k] = 0;
-    for (int part = 0; part < SCREE_PARTS; part++)
-        for (int p = 0; p < contacts->found[part].count; p++) start[contacts->found[part].pair[p].i + 1]++;
-    for (int k = 0; k < bodies; k++) start[k + 1] += start[k];
-    for (int part = 0; part < SCREE_PARTS; part++)
-        for (int p = 0; p < contacts->found[part].count; p++) {
-            struct scree_body_pair pair = contacts->found[part].pair[p];
-            contacts->pair[start[pair.i]++] = pair; /* so each start becomes an end */
-        }
-    for (int k = 0, first = 0; k < bodies; k++) {
-        int end = contacts->end[k];
-        contacts->end[k] = kept = order_partners(contacts->pair, first, end, kept);
-        first = end;
-    }
-    contacts->pairs = kept;
+static const struct scree_body_pair *found_in(const struct scree_contacts *contacts, int part) {
+    return (const struct scree_body_pair *)contacts->listed.memory + contacts->found[part].first;
 }
 
-/* Room for all that was found. */
-static scree_status make_room(struct scree_contacts *contacts, scree_trouble *trouble) {
-    int failed = 0;
+/* By (i, j): a count of each i gives its place. The cells have done their duty. */
+static scree_status sort_pairs(struct scree_contacts *contacts, size_t bodies, scree_trouble *trouble) {
+    size_t all = 0;
+    for (int part = 0; part < SCREE_PARTS; part++) all += (size_t)contacts->found[part].count;
     contacts->pairs = 0;
+    if (all > INT_MAX) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "%zu pairs are too many", all);
+    scree_status status = scree_make_space(&contacts->rough, (bodies + 1 + all) * sizeof(int), trouble);
+    if (status) return status;
+    int *start = contacts->end = contacts->rough.memory, *partner = contacts->partner = start + bodies + 1, kept = 0;
+    for (size_t k = 0; k <= bodies; k++) start[k] = 0;
+    for (int part = 0; part < SCREE_PARTS; part++)
+        for (int p = 0; p < contacts->found[part].count; p++) start[found_in(contacts, part)[p].i + 1]++;
+    for (size_t k = 0; k < bodies; k++) start[k + 1] += start[k];
+    for (int part = 0; part < SCREE_PARTS; part++)
+        for (int p = 0; p < contacts->found[part].count; p++) {
+            struct scree_body_pair pair = found_in(contacts, part)[p];
+            partner[start[pair.i]++] = pair.j; /* so each start becomes an end */
+        }
+    for (size_t k = 0, first = 0; k < bodies; k++) {
+        int end = contacts->end[k];
+        contacts->end[k] = kept = order_partners(partner, (int)first, end, kept);
+        first = (size_t)end;
+    }
+    contacts->pairs = kept;
+    return SCREE_OK;
+}
+
+/* All parts look; returns 1 if some have found more than they have room for. */
+static int search(struct scree_contacts *contacts, const struct scree_bodies *bodies, const struct grids *grids,
+                  int threads) {
+    int lack = 0;
+    (void)threads; /* without OpenMP */
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++) {
-        contacts->pairs += contacts->found[part].count;
-        failed |= contacts->found[part].failed;
+        struct scree_found *found = &contacts->found[part];
+        struct seeker seeker = {contacts, bodies, grids, found,
+                                (struct scree_body_pair *)contacts->listed.memory + found->first};
+        long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
+        found->count = 0;
+        for (int k = (int)from; k < to; k++)
+            if (is_bounded(bodies, k)) look(&seeker, k);
     }
-    int capacity = contacts->pairs + contacts->pairs / 16 + 8;
-    if (!failed && contacts->pairs > contacts->pair_capacity) {
-        failed = !scree_enlarge(&contacts->pair, contacts->pair_capacity, capacity, sizeof *contacts->pair);
-        if (!failed) contacts->pair_capacity = capacity;
+    for (int part = 0; part < SCREE_PARTS; part++) lack |= contacts->found[part].count > contacts->found[part].capacity;
+    return lack;
+}
+
+/* Shares for what was counted, where they were too small. */
+static scree_status share_out(struct scree_contacts *contacts, scree_trouble *trouble) {
+    size_t all = 0;
+    for (int part = 0; part < SCREE_PARTS; part++) {
+        struct scree_found *found = &contacts->found[part];
+        if (found->count > found->capacity) found->capacity = found->count + found->count / 16 + 16;
+        found->first = all;
+        all += (size_t)found->capacity;
     }
-    if (!failed) return SCREE_OK;
-    contacts->pairs = 0;
-    return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d candidate pairs", capacity);
+    return scree_make_space(&contacts->listed, all * sizeof(struct scree_body_pair), trouble);
 }
 
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                               scree_trouble *trouble) {
-    struct grids grids = choose_levels(contacts, bodies);
-    (void)threads; /* without OpenMP */
-    fill_cells(contacts, bodies, &grids);
+    struct grids grids;
+    scree_status status = make_grids(contacts, (size_t)bodies->count, &grids, trouble);
+    if (status) return status;
+    choose_levels(contacts, bodies, &grids);
+    fill_cells(bodies, &grids);
     contacts->planes = 0;
     for (int k = 0; k < bodies->count; k++)
         if (!is_bounded(bodies, k)) contacts->plane[contacts->planes++] = k;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-    for (int part = 0; part < SCREE_PARTS; part++) {
-        struct seeker seeker = {contacts, bodies, &grids, &contacts->found[part]};
-        long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
-        seeker.found->count = seeker.found->failed = 0;
-        for (int k = (int)from; k < to; k++)
-            if (is_bounded(bodies, k)) look(&seeker, k);
+    if (search(contacts, bodies, &grids, threads)) {
+        status = share_out(contacts, trouble);
+        if (status) return status;
+        search(contacts, bodies, &grids, threads);
     }
-    scree_status status = make_room(contacts, trouble);
-    if (status) return status;
-    sort_pairs(contacts, bodies->count);
-    return SCREE_OK;
+    return sort_pairs(contacts, (size_t)bodies->count, trouble);
 }

@@ -1,4 +1,5 @@
 /* Contacts: the table of rules and batches, and what the laws need to know of a pair of bodies. */
+#include "bodies/memory.h"
 #include "contact/loop.h"
 
 #include <stdlib.h>
@@ -38,20 +39,10 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
     return SCREE_OK;
 }
 
-static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
-    size_t places = 16;
-    while (places < 2 * bodies) places *= 2;
-    contacts->last_place = places - 1;
-    contacts->level = malloc(bodies + 1);
-    contacts->key = malloc((bodies + 1) * sizeof *contacts->key);
-    contacts->next = malloc((bodies + 1) * sizeof *contacts->next);
-    contacts->place = malloc(places * sizeof *contacts->place);
-    contacts->end = malloc((bodies + 2) * sizeof *contacts->end);
+static scree_status make_numbers(struct scree_contacts *contacts, size_t bodies) {
     contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
     contacts->plane = malloc((bodies + 1) * sizeof *contacts->plane);
-    int ok = contacts->spare && contacts->plane && contacts->level && contacts->key && contacts->next &&
-             contacts->place && contacts->end;
-    return ok ? SCREE_OK : SCREE_NO_MEMORY;
+    return contacts->spare && contacts->plane ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
 scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
@@ -67,7 +58,7 @@ scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, 
     size_t cells = (size_t)materials * (size_t)materials;
     contacts->rule = malloc(((size_t)rule_count + 1) * sizeof *contacts->rule);
     contacts->rule_of = malloc((cells + 1) * sizeof *contacts->rule_of);
-    if (!contacts->rule || !contacts->rule_of || make_cells(contacts, (size_t)bodies) ||
+    if (!contacts->rule || !contacts->rule_of || make_numbers(contacts, (size_t)bodies) ||
         make_batches(contacts, rules)) {
         scree_contacts_destroy(contacts);
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contact rules", rule_count);
@@ -83,35 +74,28 @@ scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, 
 void scree_contacts_destroy(struct scree_contacts *contacts) {
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
-        free(batch->contact);
-        free(batch->yield);
+        scree_memory_free(batch->contact);
+        scree_memory_free(batch->yield);
         free(batch->segment);
-        free(batch->outer);
-        free(batch->moments);
-        for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) free(batch->pair[m]);
-        for (int m = 0; m < SCREE_MEMORY; m++) free(batch->kept[m]);
-        for (int m = 0; m < SCREE_PAST; m++) free(batch->past[m]);
-        free(batch->run);
-        free(batch->first_run);
+        scree_memory_free(batch->moments);
+        for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) scree_memory_free(batch->pair[m]);
+        for (int m = 0; m < SCREE_MEMORY; m++) scree_memory_free(batch->kept[m]);
+        for (int m = 0; m < SCREE_PAST; m++) scree_memory_free(batch->past[m]);
+        scree_memory_free(batch->run);
+        scree_memory_free(batch->first_run);
     }
     scree_contacts_free_scratch(contacts);
-    free(contacts->index);
     free(contacts->spare);
     free(contacts->rule);
     free(contacts->rule_of);
     free(contacts->batch);
     free(contacts->batch_of);
     free(contacts->busy);
-    for (int part = 0; part < SCREE_PARTS; part++) free(contacts->found[part].pair);
-    free(contacts->pair);
+    scree_memory_free(contacts->listed.memory);
+    scree_memory_free(contacts->rough.memory);
     free(contacts->plane);
-    free(contacts->level);
-    free(contacts->key);
-    free(contacts->next);
-    free(contacts->place);
-    free(contacts->end);
     free(contacts->returned);
-    free(contacts->moving);
+    scree_memory_free(contacts->moving);
     *contacts = (struct scree_contacts){0};
 }
 
@@ -119,9 +103,13 @@ static int has_ball(scree_shape_kind kind) { return kind == SCREE_SPHERE || kind
 
 const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                              int i, int j, int *missing) {
-    if (!scree_joint_can_move(&bodies->joint[i]) && !scree_joint_can_move(&bodies->joint[j])) return NULL;
-    if (!has_ball(bodies->shape[i].kind) && !has_ball(bodies->shape[j].kind)) return NULL;
-    int rule = contacts->rule_of[bodies->material[i] * contacts->materials + bodies->material[j]];
+    if (!scree_joint_can_move(&scree_kind_of(bodies, i)->joint) &&
+        !scree_joint_can_move(&scree_kind_of(bodies, j)->joint))
+        return NULL;
+    if (!has_ball(scree_kind_of(bodies, i)->shape.kind) && !has_ball(scree_kind_of(bodies, j)->shape.kind)) return NULL;
+    int rule =
+        contacts
+            ->rule_of[scree_kind_of(bodies, i)->material * contacts->materials + scree_kind_of(bodies, j)->material];
     if (rule < 0 && missing) *missing = 1;
     if (rule < 0 || !contacts->rule[rule].touches) return NULL;
     return &contacts->rule[rule];

@@ -49,6 +49,11 @@ struct scree_contact {
     int ball, host, corner;
 };
 
+/* The same where there are no corners. */
+struct scree_ends {
+    int ball, host;
+};
+
 /* What a block of contacts yields. Impulses on the ball in N s, angular impulses on both bodies in N m s. */
 struct scree_yield {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
@@ -72,7 +77,7 @@ struct scree_moments {
  * slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): no two slabs of the same parity touch one body. */
 struct scree_part {
     int first, count, capacity;
-    int outer_first, outer_count;
+    int outer_first, outer_count; /* in the outer list; slabs are counted apart from segment 0 */
 };
 
 /* The contacts of two boxes edge on edge, a run of segment 0 of their batch. */
@@ -101,8 +106,8 @@ struct scree_batch {
     int pair_capacity;
     unsigned char keeps[SCREE_MEMORY]; /* which columns there are */
     double *kept[SCREE_MEMORY];
-    struct scree_yield *yield; /* per block of segment 0 */
-    int blocks;                /* room for so many */
+    struct scree_yield *yield;     /* per block of segment 0 */
+    int blocks;                    /* room for so many */
     /* Only of edges on edges: the runs, and of each block the run of its first contact. */
     int runs, run_capacity;
     struct scree_run *run;
@@ -111,10 +116,19 @@ struct scree_batch {
     int impulses;
     double *past[SCREE_PAST];
     struct scree_moments *moments; /* per block of segment 0 */
-    /* Contacts that may get near before bodies have gone half a skin; near ones are picked from them. */
-    int outer_count, outer_capacity;
-    struct scree_contact *outer;
+    /* Contacts that may get near before bodies have gone half a skin; near ones are picked from them. Those of slabs have no
+     * corners (scree_outer). */
+    int outer_count;
+    struct scree_contact *loose; /* of segment 0 */
+    struct scree_ends *outer;    /* of the slabs */
 };
+
+/* Contact k of the outer list of a segment. */
+static inline struct scree_contact scree_outer(const struct scree_batch *batch, int segment, int k) {
+    if (segment == 0) return batch->loose[k];
+    const struct scree_ends *ends = &batch->outer[batch->segment[segment].outer_first + k];
+    return (struct scree_contact){ends->ball, ends->host, 0};
+}
 
 /* Indices of the near contacts of a batch, one after the other; -1: no more. */
 static inline int scree_next(const struct scree_batch *batch, int k) {
@@ -158,9 +172,14 @@ struct scree_body_pair {
 /* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these. */
 enum { SCREE_PARTS = 32 };
 struct scree_found {
-    struct scree_body_pair *pair;
+    size_t first; /* its share of the memory */
     int count, capacity;
-    int failed; /* no memory */
+};
+
+/* Memory whose contents are needed no longer than until it is asked for anew. */
+struct scree_space {
+    void *memory;
+    size_t size;
 };
 
 /* A body that returns into the periodic box: it is `periods` beyond it. */
@@ -182,27 +201,23 @@ struct scree_contacts {
     int *busy;     /* indices of the batches that hold contacts, in order */
     int busy_batches;
 
-    struct scree_found found[SCREE_PARTS]; /* pairs as they were found, by parts of the bodies */
-    int pairs, pair_capacity;              /* the same, sorted by (i, j) */
-    struct scree_body_pair *pair;
-    int *end;           /* of the pairs of each first body */
+    /* What making lists takes; each has one use after the other. First the pairs as they were found, by parts of the bodies;
+     * then the outer lists of all batches. */
+    struct scree_space listed;
+    struct scree_found found[SCREE_PARTS];
+    /* First the cells of the broad phase (candidates.c), then the pairs in order: the larger bodies of each body's pairs, and where
+     * these end. Whatever else takes numbers for each body or contact and keeps none: from two numbers a body on. */
+    struct scree_space rough;
+    int pairs, *end, *partner;
     int planes, *plane; /* bodies without bounds */
-    /* Cells of the broad phase (candidates.c): per body its grid, its cell's key and the next body of the chain; the first body
-     * of each chain. */
-    unsigned char *level;
-    uint64_t *key;
-    int *next, *place;
-    size_t last_place; /* number of places, a power of two, less one */
-    double skin;       /* contacts with a gap up to this are in the outer list, m */
-    double step;       /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
-    double *spare;     /* per body: way that its margin may still take out of its half of the skin, m */
-    long rebuilds;     /* of the outer list */
-    long renewals;     /* of near lists */
+    double skin;        /* contacts with a gap up to this are in the outer list, m */
+    double step;        /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
+    double *spare;      /* per body: way that its margin may still take out of its half of the skin, m */
+    long rebuilds;      /* of the outer list */
+    long renewals;      /* of near lists */
     struct scree_tally tally[SCREE_SEGMENTS];
     struct scree_scratch *scratch; /* one for each thread (near.c) */
     int scratches;
-    int *index; /* scratch for sorting contacts */
-    int indices;
     int returns, return_capacity; /* bodies that are returning into the periodic box, by rising place */
     struct scree_return *returned;
     int moving_capacity;
@@ -394,7 +409,10 @@ scree_status scree_pair_constants(const struct scree_contacts *contacts, const s
  * zero. `array` is the address of a pointer. */
 int scree_enlarge(void *array, int before, int after, size_t size);
 
-/* Pairs of bodies whose bounds come within `skin`, sorted by (i, j). */
+/* Room for so many bytes, whatever was there before; SCREE_NO_MEMORY. */
+scree_status scree_make_space(struct scree_space *space, size_t size, scree_trouble *trouble);
+
+/* Pairs of bodies whose bounds come within `skin`, in order: those of i with j > i are partner[end[i - 1]] … partner[end[i] - 1]. */
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                               scree_trouble *trouble);
 

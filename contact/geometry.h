@@ -35,8 +35,7 @@ struct scree_whole {
 };
 
 static inline struct scree_whole scree_whole_of(const struct scree_bodies *bodies, int ball, int corner) {
-    return (struct scree_whole){vec_from(bodies->record[ball].x),
-                                corner ? &bodies->attitude[bodies->slot[ball]] : NULL};
+    return (struct scree_whole){vec_from(bodies->record[ball].x), corner ? scree_attitude_of(bodies, ball) : NULL};
 }
 
 /* A thin plate: inside its borders a plane, at its borders a sharp edge. It has two sides: a sphere is on that of its centre, a

@@ -84,7 +84,8 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
     for (int side = 0; side < 2 && !(grip->mass > 0.0); side++) { /* bodies that only turn */
         int k = side ? grip->contact.host : grip->contact.ball;
         double bound = bodies->record[k].bound;
-        if (bodies->inertia[k].inverse_moments[0] > 0.0) grip->mass = bodies->inertia[k].moments[0] / (bound * bound);
+        if (scree_kind_of(bodies, k)->inertia.inverse_moments[0] > 0.0)
+            grip->mass = scree_kind_of(bodies, k)->inertia.moments[0] / (bound * bound);
     }
     grip->directional = tells_directions(grip);
     grip->root = grip->reach > 0.0 ? 1 : root_of_spring(grip);

@@ -38,7 +38,7 @@ static struct side side_of(const struct scree_bodies *bodies, const struct scree
                            double sign, int turns) {
     return (struct side){.record = &now->record[index],
                          .past = &bodies->past[index],
-                         .inverse_mass = vec_from(bodies->inertia[index].inverse_mass),
+                         .inverse_mass = vec_from(scree_kind_of(bodies, index)->inertia.inverse_mass),
                          .inverse_inertia = scree_bodies_inverse_inertia(now, index),
                          .arm = arm,
                          .sign = sign,

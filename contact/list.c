@@ -31,10 +31,10 @@ static double gap_once_deep(const struct scree_bodies *bodies, const struct scre
 double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
-    int slot = bodies->slot[contact->host];
+    int slot = scree_kind_of(bodies, contact->host)->slot;
     const struct scree_attitude *partner = slot >= 0 ? &bodies->attitude[slot] : NULL;
     struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
-    switch (bodies->shape[contact->host].kind) {
+    switch (scree_kind_of(bodies, contact->host)->shape.kind) {
     case SCREE_PLANE:
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
@@ -95,7 +95,7 @@ static int compare_loose(const void *a, const void *b) { return scree_compare_co
 
 /* Candidates come sorted by their lower body, which isn't always the ball: put segment 0 in order. */
 static void sort(struct scree_batch *batch) {
-    struct scree_contact *contact = batch->outer + batch->segment[0].outer_first;
+    struct scree_contact *contact = batch->loose;
     int count = batch->segment[0].outer_count;
     for (int k = 1; k < count; k++)
         if (scree_compare_contacts(&contact[k - 1], &contact[k], 0) > 0) {
@@ -109,8 +109,11 @@ enum pass { COUNT, FILL };
 
 static void take(const struct scree_bodies *bodies, struct scree_batch *batch, const struct scree_contact *contact,
                  enum pass pass) {
-    struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
-    if (pass == FILL) batch->outer[segment->outer_first + segment->outer_count] = *contact;
+    int s = scree_segment_of(bodies, batch, contact);
+    struct scree_part *segment = &batch->segment[s];
+    if (pass == FILL && s == 0) batch->loose[segment->outer_count] = *contact;
+    if (pass == FILL && s > 0)
+        batch->outer[segment->outer_first + segment->outer_count] = (struct scree_ends){contact->ball, contact->host};
     if (!batch->any_turns && scree_contact_turns(batch, contact)) batch->any_turns = 1;
     segment->outer_count++;
 }
@@ -118,9 +121,9 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
 /* The balls of body `ball` that are near body `host`: its corners, or itself. */
 static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                        const struct scree_rule *rule, int ball, int host, enum pass pass) {
-    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[host].kind));
-    int box = bodies->shape[ball].kind == SCREE_BOX;
-    int first = box ? 1 + 8 * bodies->slot[ball] : 0;
+    struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
+    int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
+    int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
@@ -151,8 +154,8 @@ static void take_edges(struct scree_contacts *contacts, const struct scree_bodie
 static void note_depth(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
-    double depth = scree_boxes_depth(apart, &bodies->attitude[bodies->slot[i]], &bodies->attitude[bodies->slot[j]],
-                                     a->radius + b->radius);
+    double depth =
+        scree_boxes_depth(apart, scree_attitude_of(bodies, i), scree_attitude_of(bodies, j), a->radius + b->radius);
     double deep = depth / fmin(a->limit, b->limit);
     if (deep <= contacts->deepest) return;
     contacts->deepest = deep;
@@ -193,7 +196,7 @@ static void take_images(struct scree_contacts *contacts, const struct scree_bodi
 static void take_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
                       enum pass pass) {
     const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, i, j, NULL);
-    scree_shape_kind a = bodies->shape[i].kind, b = bodies->shape[j].kind;
+    scree_shape_kind a = scree_kind_of(bodies, i)->shape.kind, b = scree_kind_of(bodies, j)->shape.kind;
     if (bodies->periodic && a == SCREE_SPHERE && b == SCREE_SPHERE) {
         int swap = bodies->number[i] > bodies->number[j];
         take_images(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
@@ -214,8 +217,8 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
 /* Pairs whose first body is at a place from … to - 1. */
 static void take_some(struct scree_contacts *contacts, const struct scree_bodies *bodies, int from, int to,
                       enum pass pass) {
-    int first = from > 0 ? contacts->end[from - 1] : 0, last = to > 0 ? contacts->end[to - 1] : 0;
-    for (int k = first; k < last; k++) take_pair(contacts, bodies, contacts->pair[k].i, contacts->pair[k].j, pass);
+    for (int i = from, p = from > 0 ? contacts->end[from - 1] : 0; i < to; i++)
+        for (; p < contacts->end[i]; p++) take_pair(contacts, bodies, i, contacts->partner[p], pass);
 }
 
 /* Two members make a contact of the first one's slab, or of segment 0 if they are images: where there are none of these, slabs can be
@@ -234,33 +237,43 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
         take_some(contacts, bodies, order->start[slab], order->start[slab + 1], pass);
 }
 
-/* Room for what was counted. */
+/* Room for what was counted; what candidates were found in is free again. */
 static scree_status make_room(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               scree_trouble *trouble) {
+    size_t loose = 0, slabs = 0;
     contacts->busy_batches = 0;
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
-        batch->outer_count = 0;
-        for (int s = 0; s <= bodies->order.slabs; s++) {
-            batch->segment[s].outer_first = batch->outer_count;
-            batch->outer_count += batch->segment[s].outer_count;
+        int count = 0;
+        for (int s = 1; s <= bodies->order.slabs; s++) {
+            batch->segment[s].outer_first = count;
+            count += batch->segment[s].outer_count;
         }
+        slabs += (size_t)count;
+        loose += (size_t)batch->segment[0].outer_count;
+        batch->outer_count = count + batch->segment[0].outer_count;
         if (batch->outer_count) contacts->busy[contacts->busy_batches++] = k;
-        int wanted = batch->outer_count + batch->outer_count / 16 + 8;
-        if (batch->outer_count <= batch->outer_capacity) continue;
-        if (!scree_enlarge(&batch->outer, batch->outer_capacity, wanted, sizeof *batch->outer))
-            return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", wanted);
-        batch->outer_capacity = wanted;
     }
-    return SCREE_OK;
+    scree_status status = scree_make_space(
+        &contacts->listed, loose * sizeof(struct scree_contact) + slabs * sizeof(struct scree_ends), trouble);
+    struct scree_contact *contact = contacts->listed.memory;
+    struct scree_ends *ends = (struct scree_ends *)(contact + loose);
+    for (int k = 0; k < contacts->batches && !status; k++) {
+        struct scree_batch *batch = &contacts->batch[k];
+        batch->loose = contact;
+        batch->outer = ends;
+        contact += batch->segment[0].outer_count;
+        ends += batch->outer_count - batch->segment[0].outer_count;
+    }
+    return status;
 }
 
 /* Give a body a margin out of what is left of its half of the skin: so wide that it lasts for `steps`. 0 if too little is left. */
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
-    double speed =
-        vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * (bodies->slot[k] < 0 ? 0.0 : record->bound);
+    double speed = vec_norm(vec_from(record->v)) +
+                   vec_norm(vec_from(record->w)) * (scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound);
     double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
     double margin = fmin(fmax(steps * way, least), most);
     margin = fmin(fmax(margin, 4.0 * way), spare);
@@ -303,17 +316,24 @@ static struct columns constants_of(const struct scree_contacts *contacts, const 
     return columns;
 }
 
+static struct scree_contact first_outer(const struct scree_batch *batch) {
+    int s = 0;
+    while (batch->segment[s].outer_count == 0) s++;
+    return scree_outer(batch, s, 0);
+}
+
 /* What the constants of a pair depend on is the same for all contacts. */
 static int is_uniform(const struct scree_bodies *bodies, const struct scree_batch *batch) {
-    const struct scree_contact *first = batch->outer;
-    const struct scree_record *a = &bodies->record[first->ball], *b = &bodies->record[first->host];
-    for (int k = 1; k < batch->outer_count; k++) {
-        const struct scree_contact *one = &batch->outer[k];
-        const struct scree_record *c = &bodies->record[one->ball], *d = &bodies->record[one->host];
-        if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
-            b->inverse_mass != d->inverse_mass)
-            return 0;
-    }
+    struct scree_contact first = first_outer(batch);
+    const struct scree_record *a = &bodies->record[first.ball], *b = &bodies->record[first.host];
+    for (int s = 0; s <= bodies->order.slabs; s++)
+        for (int k = 0; k < batch->segment[s].outer_count; k++) {
+            struct scree_contact one = scree_outer(batch, s, k);
+            const struct scree_record *c = &bodies->record[one.ball], *d = &bodies->record[one.host];
+            if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
+                b->inverse_mass != d->inverse_mass)
+                return 0;
+        }
     return 1;
 }
 
@@ -349,7 +369,8 @@ static scree_status set_common_constants(const struct scree_contacts *contacts, 
     if (!batch->uniform) return SCREE_OK;
     scree_status status = enlarge_constants(batch, SCREE_LANES, trouble);
     if (status) return status;
-    struct columns pair = constants_of(contacts, bodies, batch, &batch->outer[0]);
+    struct scree_contact first = first_outer(batch);
+    struct columns pair = constants_of(contacts, bodies, batch, &first);
     for (int k = 0; k < SCREE_LANES; k++)
         for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][k] = pair.c[c];
     return SCREE_OK;

@@ -596,8 +596,8 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
             continue;
         }
         struct scree_state *state = &bodies->state[from + k];
-        scree_ball_advance(record, state, go->step, gravity);
-        if (go->ahead) square[k] = scree_ball_look_ahead(record, state, go->step, next);
+        struct scree_ball_rows rows = scree_ball_advance(record, state, go->step, gravity);
+        if (go->ahead) square[k] = scree_ball_look_ahead(record, rows, go->step, next);
     }
     if (!go->ahead) return 0;
     _Pragma("omp simd")

@@ -39,7 +39,7 @@ static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies,
         struct vec nearer = vec_sub(centre, scree_shift_of(bodies, contact, geometry));
         return scree_meet_ball(nearer, radius, origin, host->radius);
     }
-    const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[contact->host]];
+    const struct scree_attitude *attitude = scree_attitude_of(bodies, contact->host);
     if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
     struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
     if (geometry == SCREE_BALL_RECTANGLE)
@@ -100,8 +100,8 @@ static inline int scree_crossing_code(int edge_of_ball, int edge_of_host) {
 
 static inline struct scree_two_boxes scree_two_boxes_of(const struct scree_bodies *bodies, int ball, int host) {
     const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
-    return (struct scree_two_boxes){&bodies->attitude[bodies->slot[ball]],
-                                    &bodies->attitude[bodies->slot[host]],
+    return (struct scree_two_boxes){scree_attitude_of(bodies, ball),
+                                    scree_attitude_of(bodies, host),
                                     vec_sub(vec_from(a->x), vec_from(b->x)),
                                     a->radius,
                                     b->radius,

@@ -3,6 +3,7 @@
  *
  * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
  * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
+#include "bodies/memory.h"
 #include "contact/meet.h"
 
 #include <stdlib.h>
@@ -18,14 +19,22 @@ struct scree_scratch {
 static int padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
 
 int scree_enlarge(void *array, int before, int after, size_t size) {
-    size_t used = (size_t)before * size, bytes = ((size_t)after * size + 63) / 64 * 64;
-    void **place = array, *memory = aligned_alloc(64, bytes);
+    void **place = array, *memory = scree_memory((size_t)after * size);
     if (!memory) return 0;
-    if (used) memcpy(memory, *place, used);
-    memset((char *)memory + used, 0, bytes - used);
-    free(*place);
+    if (before) memcpy(memory, *place, (size_t)before * size);
+    scree_memory_free(*place);
     *place = memory;
     return 1;
+}
+
+scree_status scree_make_space(struct scree_space *space, size_t size, scree_trouble *trouble) {
+    if (size <= space->size) return SCREE_OK;
+    size_t room = size + size / 16;
+    void *memory = scree_memory(room);
+    if (!memory) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for lists of %zu bytes", room);
+    scree_memory_free(space->memory);
+    *space = (struct scree_space){memory, room};
+    return SCREE_OK;
 }
 
 /* ---- columns ---- */
@@ -131,18 +140,18 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
     if (segment->outer_count == 0) return 0;
-    const struct scree_contact *outer = batch->outer + segment->outer_first, *old = batch->contact + segment->first;
+    const struct scree_contact *old = batch->contact + segment->first;
     double *column[SCREE_MEMORY + SCREE_PAST], half = 0.5 * contacts->skin;
     int columns = columns_of(batch, column), count = 0, before = 0;
     for (int k = 0; k < segment->outer_count; k++) {
-        const struct scree_contact *one = &outer[k];
+        struct scree_contact one = scree_outer(batch, s, k);
         int order = -1;
-        while (before < segment->count && (order = scree_compare_contacts(&old[before], one, s)) < 0) before++;
+        while (before < segment->count && (order = scree_compare_contacts(&old[before], &one, s)) < 0) before++;
         int same = before < segment->count && order == 0;
-        double left = (half - bodies->record[one->ball].path) + (half - bodies->record[one->host].path);
-        int near = is_near(bodies, batch, one, left, contacts->skin);
+        double left = (half - bodies->record[one.ball].path) + (half - bodies->record[one.host].path);
+        int near = is_near(bodies, batch, &one, left, contacts->skin);
         if (!near && !(same && keeps_something(column, columns, segment->first + before))) continue;
-        scratch->contact[count] = *one;
+        scratch->contact[count] = one;
         scratch->from[count++] = same ? before : -1;
     }
     return count;
@@ -197,10 +206,10 @@ static scree_status prepare_scratch(struct scree_contacts *contacts, int threads
 
 void scree_contacts_free_scratch(struct scree_contacts *contacts) {
     for (int t = 0; t < contacts->scratches; t++) {
-        free(contacts->scratch[t].contact);
-        free(contacts->scratch[t].from);
+        scree_memory_free(contacts->scratch[t].contact);
+        scree_memory_free(contacts->scratch[t].from);
     }
-    free(contacts->scratch);
+    scree_memory_free(contacts->scratch);
     contacts->scratch = NULL;
     contacts->scratches = 0;
 }
@@ -370,26 +379,20 @@ static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *ba
     batch->count = used;
 }
 
-static scree_status room_for_indices(struct scree_contacts *contacts, int most, scree_trouble *trouble) {
-    if (most <= contacts->indices) return SCREE_OK;
-    if (!scree_enlarge(&contacts->index, contacts->indices, most + most / 8, sizeof *contacts->index))
-        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory to sort %d contacts", most);
-    contacts->indices = most + most / 8;
-    return SCREE_OK;
-}
-
 scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble) {
     int most = 0;
     for (int b = 0; b < contacts->batches; b++)
         if (contacts->batch[b].count > most) most = contacts->batch[b].count;
-    scree_status status = room_for_indices(contacts, most, trouble);
+    size_t count = (size_t)bodies->count, each = sizeof(uint64_t) + sizeof(int), indices = (size_t)most * sizeof(int);
+    scree_status status = scree_make_space(&contacts->rough, count * each > indices ? count * each : indices, trouble);
     if (status) return status;
     for (int b = 0; b < contacts->batches; b++) rename_bodies(&contacts->batch[b], bodies->number);
-    scree_bodies_sort(bodies, contacts->skin, contacts->key, contacts->next);
+    uint64_t *key = contacts->rough.memory;
+    scree_bodies_sort(bodies, contacts->skin, key, (int *)(key + count));
     for (int b = 0; b < contacts->batches; b++) {
         rename_bodies(&contacts->batch[b], bodies->place);
-        sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->index);
+        sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->rough.memory);
     }
     return scree_contacts_list(contacts, bodies, threads, trouble);
 }
@@ -482,14 +485,15 @@ static scree_status recode_rule(struct scree_contacts *contacts, const struct sc
     scree_status status = room_for_moving(contacts, out + in, trouble);
     if (!status) status = enlarge_batch(own, padded(in_own + in), trouble);
     if (!status) status = enlarge_batch(image, padded(in_image + out), trouble);
-    if (!status) status = room_for_indices(contacts, in_own + in_image + out + in, trouble);
+    if (!status)
+        status = scree_make_space(&contacts->rough, (size_t)(in_own + in_image + out + in) * sizeof(int), trouble);
     if (status) return status;
     in_own = take_out(contacts, own, in_own, contacts->moving);
     in_image = take_out(contacts, image, in_image, contacts->moving + out);
     put_in(own, in_own, contacts->moving + out, in);
     put_in(image, in_image, contacts->moving, out);
-    sort_batch(bodies, own, in_own + in, contacts->index);
-    sort_batch(bodies, image, in_image + out, contacts->index);
+    sort_batch(bodies, own, in_own + in, contacts->rough.memory);
+    sort_batch(bodies, image, in_image + out, contacts->rough.memory);
     return SCREE_OK;
 }
 

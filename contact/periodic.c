@@ -6,7 +6,7 @@
 
 /* Periods that body k must go back along an axis to be in the box. */
 static int periods_out(const struct scree_bodies *bodies, int k, int axis) {
-    if (bodies->class[k] == SCREE_CLASS_FIXED || bodies->joint[k].along[axis] != SCREE_FREE) return 0;
+    if (bodies->class[k] == SCREE_CLASS_FIXED || scree_kind_of(bodies, k)->joint.along[axis] != SCREE_FREE) return 0;
     double off = scree_periods_off(bodies, bodies->state[k].x[axis], axis);
     return fabs(off) <= SCREE_MOST_PERIODS ? (int)off : 0; /* farther in one go: the run is about to be stopped */
 }

@@ -104,7 +104,7 @@ static void pack(struct scree_scene *scene) {
         memcpy(y + OF_X, state->x, sizeof state->x);
         memcpy(y + OF_V, state->v, sizeof state->v);
         memcpy(y + OF_L, state->l, sizeof state->l);
-        int slot = scene->bodies.slot[k];
+        int slot = scree_kind_of(&scene->bodies, k)->slot;
         if (slot >= 0) memcpy(y + OF_Q, scene->bodies.attitude[slot].q, sizeof scene->bodies.attitude[slot].q);
     }
 }
@@ -124,7 +124,8 @@ void scree_adaptive_place(struct scree_scene *scene, const double *y) {
         memcpy(state->x, own + OF_X, sizeof state->x);
         memcpy(state->v, own + OF_V, sizeof state->v);
         memcpy(state->l, own + OF_L, sizeof state->l);
-        if (bodies->slot[k] >= 0) memcpy(bodies->attitude[bodies->slot[k]].q, own + OF_Q, sizeof bodies->attitude[0].q);
+        if (scree_kind_of(bodies, k)->slot >= 0)
+            memcpy(scree_attitude_of(bodies, k)->q, own + OF_Q, sizeof bodies->attitude[0].q);
     }
     scree_bodies_start(bodies, time_at(a, y));
 }
@@ -172,8 +173,8 @@ static struct vec gravity_rate(const struct scree_scene *scene, double time, str
 static void move_body(const struct scree_bodies *bodies, int k, const double gravity[3], struct vec tilting,
                       double *rates, double *driven) {
     const struct scree_record *record = &bodies->record[k];
-    const struct scree_inertia *inertia = &bodies->inertia[k];
-    const scree_joint *joint = &bodies->joint[k];
+    const struct scree_inertia *inertia = &scree_kind_of(bodies, k)->inertia;
+    const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
     const double turn[3] = {tilting.x, tilting.y, tilting.z};
     for (int axis = 0; axis < 3; axis++) {
         rates[OF_X + axis] = rates[OF_V + axis] = 0.0;
@@ -185,8 +186,8 @@ static void move_body(const struct scree_bodies *bodies, int k, const double gra
         rates[OF_V + axis] = inertia->inverse_mass[axis] * record->f[axis] + gravity[axis];
         *driven -= inertia->mass * turn[axis] * record->x[axis];
     }
-    if (bodies->slot[k] < 0) return;
-    struct quat q = quat_from(bodies->attitude[bodies->slot[k]].q), rate = {0.0, 0.0, 0.0, 0.0};
+    if (scree_kind_of(bodies, k)->slot < 0) return;
+    struct quat q = quat_from(scree_attitude_of(bodies, k)->q), rate = {0.0, 0.0, 0.0, 0.0};
     if (joint->turn == SCREE_FREE) {
         struct quat spin = {0.0, 0.5 * record->w[0], 0.5 * record->w[1], 0.5 * record->w[2]};
         rate = quat_multiply(spin, q);

@@ -36,7 +36,7 @@ static double haste(const struct scree_scene *scene) {
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         const struct scree_record *record = &bodies->record[k];
-        double reach = bodies->shape[k].kind == SCREE_PLANE ? 0.0 : record->bound;
+        double reach = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
         fastest = fmax(fastest, vec_norm(vec_from(record->v)) + reach * vec_norm(vec_from(record->w)));
     }
     return fastest / (longest_way * scene->contacts.skin);
@@ -49,9 +49,9 @@ static double lengthen_paths(struct scree_scene *scene, double time, const doubl
     for (int k = 0; k < scene->bodies.count; k++) {
         if (a->at[k] < 0) continue;
         struct scree_record *record = &scene->bodies.record[k];
-        double reach = scene->bodies.shape[k].kind == SCREE_PLANE ? 0.0 : record->bound;
+        double reach = scree_kind_of(&scene->bodies, k)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
         struct vec moved = vec_sub(vec_from(to + a->at[k]), vec_from(from + a->at[k]));
-        const scree_joint *joint = &scene->bodies.joint[k];
+        const scree_joint *joint = &scree_kind_of(&scene->bodies, k)->joint;
         double way = vec_norm(moved) + time * reach * vec_norm(vec_from(record->w));
         for (int axis = 0; axis < 3; axis++)
             if (joint->along[axis] == SCREE_DRIVEN) way += time * fabs(record->v[axis]);
@@ -147,14 +147,16 @@ static void tidy_attitudes(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     const struct scree_bodies *bodies = &scene->bodies;
     for (int k = 0; k < bodies->count; k++) {
-        if (a->at[k] < 0 || bodies->slot[k] < 0 || bodies->joint[k].turn != SCREE_FREE) continue;
+        if (a->at[k] < 0 || scree_kind_of(bodies, k)->slot < 0 || scree_kind_of(bodies, k)->joint.turn != SCREE_FREE)
+            continue;
         double *own = a->arrived + a->at[k];
-        if (a->held[k] || bodies->attitude[bodies->slot[k]].inverse_hinge != 0.0) {
+        if (a->held[k] || scree_attitude_of(bodies, k)->inverse_hinge != 0.0) {
             a->spin_energy[k] = -1.0;
             quat_store(quat_normalise(quat_from(own + OF_Q)), own + OF_Q);
         } else {
-            if (a->spin_energy[k] < 0.0) a->spin_energy[k] = spin_energy(&bodies->inertia[k], a->y + a->at[k]);
-            restore_spin(&bodies->inertia[k], a->spin_energy[k], own);
+            if (a->spin_energy[k] < 0.0)
+                a->spin_energy[k] = spin_energy(&scree_kind_of(bodies, k)->inertia, a->y + a->at[k]);
+            restore_spin(&scree_kind_of(bodies, k)->inertia, a->spin_energy[k], own);
         }
     }
 }

@@ -47,7 +47,7 @@ static int lightest(const scree_scene *scene, int material, int movable, int oth
     for (int number = 0; number < bodies->count; number++) {
         int k = bodies->place[number];
         double inverse = bodies->record[k].inverse_mass;
-        if (bodies->material[k] != material || (inverse > 0.0) != movable || k == other_than) continue;
+        if (scree_kind_of(bodies, k)->material != material || (inverse > 0.0) != movable || k == other_than) continue;
         if (found < 0 || inverse > bodies->record[found].inverse_mass) found = k;
     }
     return found;

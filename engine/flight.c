@@ -13,7 +13,7 @@
 int scree_adaptive_can_fly(const struct scree_scene *scene) {
     if (scene->gravity.tilts) return 0;
     for (int k = 0; k < scene->bodies.count; k++) {
-        const scree_joint *joint = &scene->bodies.joint[k];
+        const scree_joint *joint = &scree_kind_of(&scene->bodies, k)->joint;
         int driven = joint->turn == SCREE_DRIVEN;
         for (int axis = 0; axis < 3; axis++) driven |= joint->along[axis] == SCREE_DRIVEN;
         if (driven) return 0;
@@ -24,7 +24,7 @@ int scree_adaptive_can_fly(const struct scree_scene *scene) {
 /* Acceleration of a body that nothing touches. */
 static struct vec falls(const struct scree_scene *scene, int k) {
     const double *g = scene->gravity.vector;
-    const scree_freedom *along = scene->bodies.joint[k].along;
+    const scree_freedom *along = scree_kind_of(&scene->bodies, k)->joint.along;
     return vec(along[0] == SCREE_FREE ? g[0] : 0.0, along[1] == SCREE_FREE ? g[1] : 0.0,
                along[2] == SCREE_FREE ? g[2] : 0.0);
 }
@@ -56,25 +56,28 @@ static double time_of_balls(struct vec apart, struct vec velocity, double reach)
 /* A gap of two bodies that is not above the true one, by corners and faces; 0 where that can't be told. */
 static double gap_between(const struct scree_bodies *bodies, int i, int j) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
-    int plane = bodies->shape[i].kind == SCREE_PLANE || bodies->shape[j].kind == SCREE_PLANE;
+    int plane =
+        scree_kind_of(bodies, i)->shape.kind == SCREE_PLANE || scree_kind_of(bodies, j)->shape.kind == SCREE_PLANE;
     double outside = plane ? -1.0 : vec_norm(vec_sub(vec_from(a->x), vec_from(b->x))) - a->bound - b->bound;
     double least = HUGE_VAL;
-    if (bodies->shape[i].kind == SCREE_BOX &&
-        bodies->shape[j].kind == SCREE_BOX) { /* edges may be nearer than corners */
+    if (scree_kind_of(bodies, i)->shape.kind == SCREE_BOX &&
+        scree_kind_of(bodies, j)->shape.kind == SCREE_BOX) { /* edges may be nearer than corners */
         struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
         return fmax(fmax(outside, scree_cores_apart(&boxes) - a->radius - b->radius), 0.0);
     }
     for (int side = 0; side < 2; side++) {
-        int ball = side ? j : i, host = side ? i : j, box = bodies->shape[ball].kind == SCREE_BOX;
-        int sphere = bodies->shape[ball].kind == SCREE_SPHERE, flat = bodies->shape[host].kind != SCREE_SPHERE;
+        int ball = side ? j : i, host = side ? i : j, box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
+        int sphere = scree_kind_of(bodies, ball)->shape.kind == SCREE_SPHERE,
+            flat = scree_kind_of(bodies, host)->shape.kind != SCREE_SPHERE;
         if (!box && !sphere) continue;
-        if (!flat && !(sphere && bodies->shape[host].kind == SCREE_SPHERE)) continue;
-        enum scree_geometry geometry = bodies->shape[host].kind == SCREE_PLANE       ? SCREE_BALL_PLANE
-                                       : bodies->shape[host].kind == SCREE_RECTANGLE ? SCREE_BALL_RECTANGLE
-                                       : bodies->shape[host].kind == SCREE_BOX       ? SCREE_BALL_BOX
-                                                                                     : SCREE_BALL_BALL;
+        if (!flat && !(sphere && scree_kind_of(bodies, host)->shape.kind == SCREE_SPHERE)) continue;
+        enum scree_geometry geometry = scree_kind_of(bodies, host)->shape.kind == SCREE_PLANE ? SCREE_BALL_PLANE
+                                       : scree_kind_of(bodies, host)->shape.kind == SCREE_RECTANGLE
+                                           ? SCREE_BALL_RECTANGLE
+                                       : scree_kind_of(bodies, host)->shape.kind == SCREE_BOX ? SCREE_BALL_BOX
+                                                                                              : SCREE_BALL_BALL;
         for (int c = 0; c < (box ? 8 : 1); c++) {
-            struct scree_contact contact = {ball, host, box ? 1 + 8 * bodies->slot[ball] + c : 0};
+            struct scree_contact contact = {ball, host, box ? 1 + 8 * scree_kind_of(bodies, ball)->slot + c : 0};
             struct vec centre = vec_add(vec_from(bodies->record[ball].x), vec_from(bodies->corner[contact.corner]));
             double overlap = scree_meet(bodies, &contact, geometry, centre).overlap;
             least = fmin(least, overlap < 0.5 * SCREE_OUTSIDE ? 0.0 : -overlap);
@@ -85,23 +88,23 @@ static double gap_between(const struct scree_bodies *bodies, int i, int j) {
 
 /* The largest speed about its centre that a point of a freely turning body can have: |w| <= |l|/least moment. */
 static double fastest_point(const struct scree_bodies *bodies, int k) {
-    const double *inverse = bodies->inertia[k].inverse_moments;
+    const double *inverse = scree_kind_of(bodies, k)->inertia.inverse_moments;
     double most = fmax(inverse[0], fmax(inverse[1], inverse[2]));
-    if (bodies->slot[k] >= 0) most = fmax(most, bodies->attitude[bodies->slot[k]].inverse_hinge);
+    if (scree_kind_of(bodies, k)->slot >= 0) most = fmax(most, scree_attitude_of(bodies, k)->inverse_hinge);
     return bodies->record[k].bound * most * vec_norm(vec_from(bodies->state[k].l));
 }
 
 static double time_of_pair(const struct scree_scene *scene, int i, int j) {
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
-    scree_shape_kind shape = bodies->shape[i].kind, other = bodies->shape[j].kind;
+    scree_shape_kind shape = scree_kind_of(bodies, i)->shape.kind, other = scree_kind_of(bodies, j)->shape.kind;
     struct vec velocity = vec_sub(vec_from(a->v), vec_from(b->v)), fall = vec_sub(falls(scene, i), falls(scene, j));
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
     if (shape == SCREE_SPHERE && other == SCREE_SPHERE && vec_norm2(fall) == 0.0)
         return time_of_balls(apart, velocity, a->radius + b->radius);
     int plane = other == SCREE_PLANE;
     if ((shape == SCREE_SPHERE && plane) || (shape == SCREE_PLANE && other == SCREE_SPHERE)) {
-        const struct scree_attitude *attitude = &bodies->attitude[bodies->slot[plane ? j : i]];
+        const struct scree_attitude *attitude = scree_attitude_of(bodies, plane ? j : i);
         struct vec n = vec_scale(plane ? 1.0 : -1.0, attitude->frame.column[2]);
         double radius = plane ? a->radius : b->radius;
         return first_root(vec_dot(n, apart) - radius, vec_dot(n, velocity), vec_dot(n, fall));
@@ -123,7 +126,8 @@ double scree_adaptive_safe_time(const struct scree_scene *scene, double most) {
 
 /* Whether a body's attitude changes in flight in a way that has no short formula. */
 static int turns_freely(const struct scree_bodies *bodies, int k) {
-    return bodies->slot[k] >= 0 && bodies->joint[k].turn == SCREE_FREE && vec_norm2(vec_from(bodies->state[k].l)) > 0.0;
+    return scree_kind_of(bodies, k)->slot >= 0 && scree_kind_of(bodies, k)->joint.turn == SCREE_FREE &&
+           vec_norm2(vec_from(bodies->state[k].l)) > 0.0;
 }
 
 int scree_adaptive_fly(struct scree_scene *scene, double time) {

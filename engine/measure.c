@@ -17,28 +17,28 @@ const char *scree_scene_body_name(const scree_scene *scene, int index) {
 
 scree_shape scree_scene_body_shape(const scree_scene *scene, int index) {
     if (!is_body(scene, index)) return (scree_shape){0};
-    return is_made(scene) ? scene->bodies.shape[scene->bodies.place[index]]
+    return is_made(scene) ? scree_kind_of(&scene->bodies, scene->bodies.place[index])->shape
                           : scree_scene_definition(scene, index).shape;
 }
 
 const char *scree_scene_body_material(const scree_scene *scene, int index) {
     if (!is_body(scene, index)) return NULL;
-    int material = is_made(scene) ? scene->bodies.material[scene->bodies.place[index]]
+    int material = is_made(scene) ? scree_kind_of(&scene->bodies, scene->bodies.place[index])->material
                                   : scree_scene_definition(scene, index).material;
     return scene->material[material].name;
 }
 
 double scree_scene_body_mass(const scree_scene *scene, int index) {
     if (!is_body(scene, index)) return 0.0;
-    if (is_made(scene)) return scene->bodies.inertia[scene->bodies.place[index]].mass;
+    if (is_made(scene)) return scree_kind_of(&scene->bodies, scene->bodies.place[index])->inertia.mass;
     scree_body_def def = scree_scene_definition(scene, index);
     return scree_body_mass(&def, scene->material[def.material].density);
 }
 
 int scree_scene_body_moves(const scree_scene *scene, int index) {
     if (!is_body(scene, index)) return 0;
-    scree_joint joint =
-        is_made(scene) ? scene->bodies.joint[scene->bodies.place[index]] : scree_scene_definition(scene, index).joint;
+    scree_joint joint = is_made(scene) ? scree_kind_of(&scene->bodies, scene->bodies.place[index])->joint
+                                       : scree_scene_definition(scene, index).joint;
     return !scree_joint_is_fixed(&joint);
 }
 
@@ -68,8 +68,8 @@ scree_body_state scree_scene_body(const scree_scene *scene, int index) {
     put_into_box(bodies, bodies->state[place].x, state.position);
     memcpy(state.velocity, bodies->state[place].v, sizeof state.velocity);
     vec_store(scree_bodies_spin(bodies, place, scree_scene_time(scene)), state.spin);
-    if (bodies->slot[place] >= 0)
-        memcpy(state.orientation, bodies->attitude[bodies->slot[place]].q, sizeof state.orientation);
+    if (scree_kind_of(bodies, place)->slot >= 0)
+        memcpy(state.orientation, scree_attitude_of(bodies, place)->q, sizeof state.orientation);
     return state;
 }
 
@@ -86,8 +86,8 @@ scree_status scree_scene_look_now(struct scree_scene *scene) {
 static void add_body_energy(const scree_scene *scene, int k, const double gravity[3], scree_energy *energy) {
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_state *state = &bodies->state[k];
-    const scree_joint *joint = &bodies->joint[k];
-    double mass = bodies->inertia[k].mass;
+    const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
+    double mass = scree_kind_of(bodies, k)->inertia.mass;
     for (int axis = 0; axis < 3; axis++) {
         if (joint->along[axis] != SCREE_FREE) continue;
         energy->kinetic += 0.5 * mass * state->v[axis] * state->v[axis];
@@ -138,7 +138,7 @@ static scree_contact_state contact_state(const scree_scene *scene, const struct 
     scree_contact_state state = {.ball = scene->bodies.number[touch->ball],
                                  .host = scene->bodies.number[touch->host],
                                  .sliding = touch->sliding};
-    state.corner = touch->corner ? touch->corner - 1 - 8 * scene->bodies.slot[touch->ball] : -1;
+    state.corner = touch->corner ? touch->corner - 1 - 8 * scree_kind_of(&scene->bodies, touch->ball)->slot : -1;
     if (touch->edges) state.corner = 7 + touch->corner;
     double point[3];
     vec_store(touch->point, point);
@@ -230,8 +230,8 @@ uint64_t scree_scene_hash(const scree_scene *scene) {
         hash = scree_hash_on(hash, bodies->state[k].x, sizeof bodies->state[k].x);
         hash = scree_hash_on(hash, bodies->state[k].v, sizeof bodies->state[k].v);
         hash = scree_hash_on(hash, bodies->state[k].l, sizeof bodies->state[k].l);
-        if (bodies->slot[k] >= 0)
-            hash = scree_hash_on(hash, bodies->attitude[bodies->slot[k]].q, sizeof bodies->attitude[0].q);
+        if (scree_kind_of(bodies, k)->slot >= 0)
+            hash = scree_hash_on(hash, scree_attitude_of(bodies, k)->q, sizeof bodies->attitude[0].q);
         if (!bodies->past) continue;
         hash = scree_hash_on(hash, bodies->past[k].f, sizeof bodies->past[k].f);
         hash = scree_hash_on(hash, bodies->past[k].t, sizeof bodies->past[k].t);

@@ -61,14 +61,14 @@ static double body_misfit(const struct scree_scene *scene, int k, double step) {
     const struct scree_adaptive *a = scene->adaptive;
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_measure *m = &a->measure[k];
-    const double *moments = bodies->inertia[k].moments;
+    const double *moments = scree_kind_of(bodies, k)->inertia.moments;
     double tolerance = scene->time.tolerance, noise = 1e-15 * m->noise * step, tiny = 1e-290;
     double bound = bodies->record[k].bound, moment = fmax(moments[0], fmax(moments[1], moments[2]));
     double worst = larger(0.0, a, a->at[k] + OF_V, tolerance * m->pace + noise + tiny);
     worst = larger(worst, a, a->at[k] + OF_X, step * (tolerance * m->pace + noise) + tiny);
     double spin = fmax(length3(bodies->state[k].l), moment * m->pace / bound);
     worst = larger(worst, a, a->at[k] + OF_L, tolerance * spin + noise * moment / bound + tiny);
-    if (bodies->slot[k] < 0) return worst;
+    if (scree_kind_of(bodies, k)->slot < 0) return worst;
     double scale = 0.5 * step * tolerance * (length3(bodies->record[k].w) + m->pace / bound) + 1e-15;
     worst = larger(worst, a, a->at[k] + OF_Q, scale);
     return larger(worst, a, a->at[k] + OF_Q + 1, scale);

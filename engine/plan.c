@@ -24,8 +24,8 @@ static const double cost_of_impulses[2] = {3.5, 10.0};
  * its motions, which is at least that of one corner alone. Along the normal the box heaves, pitches and rolls, sideways it
  * slides (and tilts with it) or yaws; by symmetry these don't mix, so the largest of them counts. */
 static double box_softness(const struct scree_bodies *bodies, int k, int tangential) {
-    const struct scree_inertia *inertia = &bodies->inertia[k];
-    const double *half = bodies->attitude[bodies->slot[k]].half, *w = inertia->inverse_moments;
+    const struct scree_inertia *inertia = &scree_kind_of(bodies, k)->inertia;
+    const double *half = scree_attitude_of(bodies, k)->half, *w = inertia->inverse_moments;
     double centre = bodies->record[k].inverse_mass, softest = 0.0, a2[3];
     for (int axis = 0; axis < 3; axis++) a2[axis] = half[axis] * half[axis];
     for (int axis = 0; axis < 3; axis++) {
@@ -40,11 +40,11 @@ static double box_softness(const struct scree_bodies *bodies, int k, int tangent
 
 /* Velocity per unit of force that a contact with body k sees from it, 1/kg. */
 static double softness(const struct scree_bodies *bodies, int k, int tangential) {
-    if (bodies->shape[k].kind == SCREE_BOX &&
-        bodies->record[k].inverse_mass + bodies->inertia[k].inverse_moments[0] > 0)
+    if (scree_kind_of(bodies, k)->shape.kind == SCREE_BOX &&
+        bodies->record[k].inverse_mass + scree_kind_of(bodies, k)->inertia.inverse_moments[0] > 0)
         return box_softness(bodies, k, tangential);
     double centre = bodies->record[k].inverse_mass, radius = bodies->record[k].radius;
-    return tangential ? centre + radius * radius * bodies->inertia[k].inverse_moments[0] : centre;
+    return tangential ? centre + radius * radius * scree_kind_of(bodies, k)->inertia.inverse_moments[0] : centre;
 }
 
 /* ---- species: bodies that meet others alike ---- */
@@ -96,11 +96,11 @@ static struct species *sort_into_species(const struct scree_scene *scene) {
         species[s].sharp = -1;
     }
     for (int k = 0; k < bodies->count; k++) {
-        int index = bodies->material[k] * SCREE_SHAPE_KINDS + (int)bodies->shape[k].kind;
-        struct species *s = &species[2 * index + scree_joint_can_move(&bodies->joint[k])];
+        int index = scree_kind_of(bodies, k)->material * SCREE_SHAPE_KINDS + (int)scree_kind_of(bodies, k)->shape.kind;
+        struct species *s = &species[2 * index + scree_joint_can_move(&scree_kind_of(bodies, k)->joint)];
         for (int merit = 0; merit < MERITS; merit++) enter(bodies, k, (enum merit)merit, s->pick[merit]);
         s->count++;
-        if (bodies->shape[k].kind == SCREE_BOX && bodies->record[k].radius == 0.0) s->sharp = k;
+        if (scree_kind_of(bodies, k)->shape.kind == SCREE_BOX && bodies->record[k].radius == 0.0) s->sharp = k;
     }
     for (int s = 0; s < species_count(scene); s++) list_picks(&species[s]);
     return species;
@@ -124,9 +124,10 @@ static double deepest_overlap(const struct scree_normal_law *law, const struct s
 }
 
 double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j) {
-    int balls = (bodies->shape[i].kind == SCREE_SPHERE) + (bodies->shape[j].kind == SCREE_SPHERE);
+    int balls =
+        (scree_kind_of(bodies, i)->shape.kind == SCREE_SPHERE) + (scree_kind_of(bodies, j)->shape.kind == SCREE_SPHERE);
     if (balls == 2) return scree_effective_radius(bodies, i, j, SCREE_BALL_BALL);
-    if (balls == 1) return bodies->record[bodies->shape[i].kind == SCREE_SPHERE ? i : j].radius;
+    if (balls == 1) return bodies->record[scree_kind_of(bodies, i)->shape.kind == SCREE_SPHERE ? i : j].radius;
     return fmax(bodies->record[i].radius, bodies->record[j].radius);
 }
 
@@ -161,7 +162,7 @@ static void add_rolling_rates(const struct scree_scene *scene, const struct scre
     const struct scree_law_constants *constants = &rule->rolling_constants;
     double turning = 0.0;
     for (int side = 0; side < 2; side++) {
-        const double *w = scene->bodies.inertia[side ? j : i].inverse_moments;
+        const double *w = scree_kind_of(&scene->bodies, side ? j : i)->inertia.inverse_moments;
         turning += radius * radius * fmax(w[0], fmax(w[1], w[2]));
     }
     rates->stiffness += law->stiffness(constants) * turning;
@@ -259,13 +260,14 @@ static double estimate_speed(const struct scree_scene *scene) {
     double fastest = 0.0, driven = 0.0;
     for (int k = 0; k < bodies->count; k++) {
         double spin = vec_norm(scree_bodies_spin(bodies, k, 0.0));
-        double reach = bodies->shape[k].kind == SCREE_PLANE ? 0.0 : bodies->record[k].bound;
+        double reach = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE ? 0.0 : bodies->record[k].bound;
         fastest = fmax(fastest, vec_norm(vec_from(bodies->state[k].v)) + spin * reach);
         for (int axis = 0; axis < 3; axis++)
-            if (bodies->joint[k].along[axis] == SCREE_DRIVEN)
-                driven = fmax(driven, fastest_motion(&bodies->motion[bodies->joint[k].along_motion[axis]]));
-        if (bodies->joint[k].turn == SCREE_DRIVEN)
-            driven = fmax(driven, reach * fastest_motion(&bodies->motion[bodies->joint[k].turn_motion]));
+            if (scree_kind_of(bodies, k)->joint.along[axis] == SCREE_DRIVEN)
+                driven =
+                    fmax(driven, fastest_motion(&bodies->motion[scree_kind_of(bodies, k)->joint.along_motion[axis]]));
+        if (scree_kind_of(bodies, k)->joint.turn == SCREE_DRIVEN)
+            driven = fmax(driven, reach * fastest_motion(&bodies->motion[scree_kind_of(bodies, k)->joint.turn_motion]));
     }
     double fall = sqrt(2.0 * vec_norm(vec_from(scene->gravity.vector)) * fall_height(scene));
     double speed = fastest + driven + fall;
@@ -287,7 +289,8 @@ static void note_trial(const struct scree_scene *scene, const struct scree_rule 
     if (trial->pair[0] >= 0 && !(duration < trial->duration)) return;
     double lightest = 1.0 / (softness(bodies, i, 0) + softness(bodies, j, 0));
     double mass = scree_effective_mass(bodies, i, j) / rule->share, radius = scree_radius_of_pair(bodies, i, j);
-    double half = fmin(scree_shape_half_width(&bodies->shape[i]), scree_shape_half_width(&bodies->shape[j]));
+    double half = fmin(scree_shape_half_width(&scree_kind_of(bodies, i)->shape),
+                       scree_shape_half_width(&scree_kind_of(bodies, j)->shape));
     if (mass == 0.0) mass = lightest;   /* bodies that only turn */
     if (!(radius > 0.0)) radius = half; /* sharp corners */
     *trial = (struct scree_rule_trial){
@@ -498,12 +501,12 @@ static scree_status make_bodies(struct scree_scene *scene) {
     scene->motion = NULL; /* handed over */
     if (status) return status;
     scene->start = scree_hash_start;
-    for (int k = 0; k < scene->defs; k++) {
+    for (int k = 0; k < scene->defs && !status; k++) {
         scree_body_def def = scree_scene_definition(scene, k);
-        scree_bodies_set(bodies, k, &def, scene->material[def.material].density);
+        status = scree_bodies_set(bodies, k, &def, scene->material[def.material].density, &scene->trouble);
         scene->start = print_start(scene->start, &def);
     }
-    status = scree_bodies_finish(bodies, definition_of, scene, &scene->trouble);
+    if (!status) status = scree_bodies_finish(bodies, definition_of, scene, &scene->trouble);
     if (status) return status;
     scree_scene_free_groups(scene);
     set_period(scene);
@@ -515,10 +518,10 @@ static void count_bodies(struct scree_scene *scene) {
     struct scree_scene_plan *plan = &scene->plan;
     const struct scree_bodies *bodies = &scene->bodies;
     for (int k = 0; k < bodies->count; k++) {
-        int moves = scree_joint_can_move(&bodies->joint[k]);
+        int moves = scree_joint_can_move(&scree_kind_of(bodies, k)->joint);
         plan->free += moves;
-        plan->fixed += scree_joint_is_fixed(&bodies->joint[k]);
-        plan->driven += !moves && !scree_joint_is_fixed(&bodies->joint[k]);
+        plan->fixed += scree_joint_is_fixed(&scree_kind_of(bodies, k)->joint);
+        plan->driven += !moves && !scree_joint_is_fixed(&scree_kind_of(bodies, k)->joint);
         plan->balls += bodies->class[k] == SCREE_CLASS_BALL;
         plan->general += bodies->class[k] == SCREE_CLASS_GENERAL;
     }
@@ -534,7 +537,8 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
             long pairs = s == t ? species[s].count * (species[s].count - 1) / 2 : species[s].count * species[t].count;
             if (pairs == 0) continue;
             int i = species[s].pick[LIGHTEST][0], j = species[t].pick[LIGHTEST][s == t], missing = 0;
-            int still = !scree_joint_can_move(&bodies->joint[i]) && !scree_joint_can_move(&bodies->joint[j]);
+            int still = !scree_joint_can_move(&scree_kind_of(bodies, i)->joint) &&
+                        !scree_joint_can_move(&scree_kind_of(bodies, j)->joint);
             const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, &missing);
             if (missing)
                 return scree_report(
@@ -542,10 +546,11 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
                     "bodies \"%s\" and \"%s\" could meet, but there is no contact between their materials "
                     "\"%s\" and \"%s\": add one (or one with none = true, to let them pass through each "
                     "other)",
-                    scree_name(scene, i), scree_name(scene, j), scene->material[bodies->material[i]].name,
-                    scene->material[bodies->material[j]].name);
-            if (rule && rule->rolling >= 0 && bodies->shape[i].kind != SCREE_SPHERE &&
-                bodies->shape[j].kind != SCREE_SPHERE)
+                    scree_name(scene, i), scree_name(scene, j),
+                    scene->material[scree_kind_of(bodies, i)->material].name,
+                    scene->material[scree_kind_of(bodies, j)->material].name);
+            if (rule && rule->rolling >= 0 && scree_kind_of(bodies, i)->shape.kind != SCREE_SPHERE &&
+                scree_kind_of(bodies, j)->shape.kind != SCREE_SPHERE)
                 return scree_report(
                     &scene->trouble, SCREE_BAD_INPUT, NULL,
                     "the contact of \"%s\" with \"%s\" has a rolling law, but neither is a sphere: only "
@@ -567,7 +572,7 @@ static scree_status check_sharp(struct scree_scene *scene, const struct species 
         for (int t = 0; t < species_count(scene); t++) {
             int i = species[s].sharp, j = species[t].count ? species[t].stands[0] : -1;
             if (j == i && j >= 0) j = species[t].standing > 1 ? species[t].stands[1] : -1;
-            if (i < 0 || j < 0 || bodies->shape[j].kind == SCREE_SPHERE) continue;
+            if (i < 0 || j < 0 || scree_kind_of(bodies, j)->shape.kind == SCREE_SPHERE) continue;
             const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, NULL);
             if (!rule) continue;
             const struct scree_normal_law *law = scree_normal_laws[rule->normal];
@@ -588,7 +593,7 @@ static scree_status check_sharp(struct scree_scene *scene, const struct species 
 static scree_status check_turning(struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     for (int i = 0; i < bodies->count; i++) {
-        if (!scree_joint_can_move(&bodies->joint[i]) || bodies->record[i].inverse_mass > 0.0) continue;
+        if (!scree_joint_can_move(&scree_kind_of(bodies, i)->joint) || bodies->record[i].inverse_mass > 0.0) continue;
         for (int j = 0; j < bodies->count; j++) {
             const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, NULL);
             if (j == i || bodies->record[j].inverse_mass > 0.0 || !rule) continue;
@@ -609,7 +614,8 @@ static scree_status check_turning(struct scree_scene *scene) {
  * where they are many; and always beyond the reach of the laws, so that no list drops a contact that still holds. */
 static double choose_skin(const struct scree_bodies *bodies, int few, double reach) {
     double thinnest = HUGE_VAL;
-    for (int k = 0; k < bodies->count; k++) thinnest = fmin(thinnest, scree_shape_half_width(&bodies->shape[k]));
+    for (int k = 0; k < bodies->count; k++)
+        thinnest = fmin(thinnest, scree_shape_half_width(&scree_kind_of(bodies, k)->shape));
     if (!(thinnest < HUGE_VAL)) thinnest = 1.0;
     return fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
 }
@@ -618,13 +624,14 @@ static double choose_skin(const struct scree_bodies *bodies, int few, double rea
 static scree_status check_domain(struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     for (int k = 0; scene->bounded && k < bodies->count; k++) {
-        int plane = bodies->shape[k].kind == SCREE_PLANE, sphere = bodies->shape[k].kind == SCREE_SPHERE;
+        int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE,
+            sphere = scree_kind_of(bodies, k)->shape.kind == SCREE_SPHERE;
         if (bodies->periodic && !plane && !sphere)
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                                 "body \"%s\" is a %s: only spheres and planes can be in a periodic domain yet",
-                                scree_name(scene, k), scree_shape_name(bodies->shape[k].kind));
+                                scree_name(scene, k), scree_shape_name(scree_kind_of(bodies, k)->shape.kind));
         double normal[3] = {0.0, 0.0, 0.0};
-        if (plane) vec_store(bodies->attitude[bodies->slot[k]].frame.column[2], normal);
+        if (plane) vec_store(scree_attitude_of(bodies, k)->frame.column[2], normal);
         for (int axis = 0; axis < 3; axis++) {
             double x = bodies->state[k].x[axis], period = bodies->period[axis];
             /* Programs that put bodies back now and then write places that are somewhat beyond a periodic border. */
@@ -703,7 +710,8 @@ static scree_status keep_impulses(struct scree_scene *scene) {
 /* Whether two boxes can meet, and not just as rectangles do, corner on side. */
 static int may_cross(const struct scree_scene *scene, int i, int j) {
     const struct scree_bodies *bodies = &scene->bodies;
-    if (bodies->shape[i].kind != SCREE_BOX || bodies->shape[j].kind != SCREE_BOX) return 0;
+    if (scree_kind_of(bodies, i)->shape.kind != SCREE_BOX || scree_kind_of(bodies, j)->shape.kind != SCREE_BOX)
+        return 0;
     if (!scree_contacts_rule(&scene->contacts, bodies, i, j, NULL)) return 0;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
     return !scree_share_axis(&boxes);

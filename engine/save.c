@@ -81,16 +81,16 @@ static uint64_t print_bodies(const scree_scene *scene) {
     HASH_ON(hash, bodies->count);
     for (int number = 0; number < bodies->count; number++) {
         int k = bodies->place[number];
-        const scree_joint *joint = &bodies->joint[k];
-        const scree_shape *shape = &bodies->shape[k];
+        const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
+        const scree_shape *shape = &scree_kind_of(bodies, k)->shape;
         hash = hash_name(hash, scree_name(scene, number));
-        hash = hash_name(hash, scene->material[bodies->material[k]].name);
+        hash = hash_name(hash, scene->material[scree_kind_of(bodies, k)->material].name);
         HASH_ON(hash, shape->kind);
         HASH_ON(hash, shape->radius);
         HASH_ON(hash, shape->edge);
         HASH_ON(hash, shape->rounding);
-        HASH_ON(hash, bodies->inertia[k].inverse_mass);
-        HASH_ON(hash, bodies->inertia[k].moments);
+        HASH_ON(hash, scree_kind_of(bodies, k)->inertia.inverse_mass);
+        HASH_ON(hash, scree_kind_of(bodies, k)->inertia.moments);
         HASH_ON(hash, joint->along);
         for (int axis = 0; axis < 3; axis++)
             if (joint->along[axis] == SCREE_DRIVEN) HASH_ON(hash, joint->along_motion[axis]);
@@ -254,7 +254,7 @@ static struct body_part body_part(const struct scree_bodies *bodies, int k) {
     memcpy(part.x, bodies->state[k].x, sizeof part.x);
     memcpy(part.v, bodies->state[k].v, sizeof part.v);
     memcpy(part.l, bodies->state[k].l, sizeof part.l);
-    if (bodies->slot[k] >= 0) memcpy(part.q, bodies->attitude[bodies->slot[k]].q, sizeof part.q);
+    if (scree_kind_of(bodies, k)->slot >= 0) memcpy(part.q, scree_attitude_of(bodies, k)->q, sizeof part.q);
     memcpy(part.f, bodies->record[k].f, sizeof part.f);
     memcpy(part.t, bodies->record[k].t, sizeof part.t);
     if (!bodies->past) return part;
@@ -348,7 +348,7 @@ static scree_status begin_books(scree_scene *scene) {
 /* Put the bodies where the state has them. */
 static void take_places(struct scree_scene *scene, const struct scree_order *order, const struct body_part *part) {
     struct scree_bodies *bodies = &scene->bodies;
-    int *from = scene->contacts.next;
+    int *from = scene->contacts.rough.memory; /* lists have been made */
     for (int k = 0; k < bodies->count; k++) from[k] = bodies->place[part[k].number];
     scree_bodies_permute(bodies, from);
     bodies->order = *order;
@@ -365,7 +365,7 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
         memcpy(bodies->state[k].x, part[k].x, sizeof part[k].x);
         memcpy(bodies->state[k].v, part[k].v, sizeof part[k].v);
         memcpy(bodies->state[k].l, part[k].l, sizeof part[k].l);
-        if (bodies->slot[k] >= 0) memcpy(bodies->attitude[bodies->slot[k]].q, part[k].q, sizeof part[k].q);
+        if (scree_kind_of(bodies, k)->slot >= 0) memcpy(scree_attitude_of(bodies, k)->q, part[k].q, sizeof part[k].q);
     }
     scree_bodies_start(bodies, scree_scene_time(scene));
     scree_status status = remember(scene, memory, memories);

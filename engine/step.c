@@ -37,7 +37,7 @@ static scree_status renew_list(scree_scene *scene) {
             return stop(scene, bodies->number[k], -1,
                         "its position or velocity is no longer a finite number; the step is too large or a "
                         "contact too stiff");
-        int plane = bodies->shape[k].kind == SCREE_PLANE; /* turns about its normal only */
+        int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
         double speed = vec_norm(vec_from(record->v)) + (plane ? 0.0 : vec_norm(vec_from(record->w)) * record->bound);
         double hasty = speed * scene->step / scene->contacts.skin;
         if (hasty > scene->hasty) {
@@ -68,7 +68,8 @@ static scree_status put_back(scree_scene *scene) {
     for (int n = 0; n < scene->contacts.returns && !status; n++) {
         const struct scree_return *out = &scene->contacts.returned[n];
         for (int axis = 0; axis < 3; axis++)
-            scene->carried[axis] += bodies->inertia[out->body].mass * out->periods[axis] * bodies->period[axis];
+            scene->carried[axis] +=
+                scree_kind_of(bodies, out->body)->inertia.mass * out->periods[axis] * bodies->period[axis];
     }
     return status;
 }
@@ -95,11 +96,12 @@ static void book_drives(scree_scene *scene, double time) {
         scene->driven -= scene->carried[axis] * (after[axis] - before[axis]);
     for (int k = 0; k < bodies->count; k++) {
         const struct scree_record *record = &bodies->record[k];
-        const scree_joint *joint = &bodies->joint[k];
+        const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
         for (int axis = 0; axis < 3; axis++) {
             if (joint->along[axis] == SCREE_DRIVEN) scene->driven -= record->f[axis] * record->v[axis];
             if (joint->along[axis] == SCREE_FREE && scene->gravity.tilts)
-                scene->driven -= bodies->inertia[k].mass * (after[axis] - before[axis]) * record->x[axis];
+                scene->driven -=
+                    scree_kind_of(bodies, k)->inertia.mass * (after[axis] - before[axis]) * record->x[axis];
             if (joint->turn == SCREE_DRIVEN) scene->driven -= record->t[axis] * record->w[axis];
         }
     }

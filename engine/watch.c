@@ -187,7 +187,8 @@ static scree_status give_up(scree_scene *scene) {
 static scree_status begin_at_start(scree_scene *scene) {
     double kick2 = scene->step * scene->step * vec_norm2(vec_from(scene->gravity.vector)), mass = 0.0;
     for (int k = 0; k < scene->bodies.count; k++)
-        if (scree_joint_can_move(&scene->bodies.joint[k])) mass += scene->bodies.inertia[k].mass;
+        if (scree_joint_can_move(&scree_kind_of(&scene->bodies, k)->joint))
+            mass += scree_kind_of(&scene->bodies, k)->inertia.mass;
     scree_status status = begin_watch(scene);
     if (!status && fabs(scene->watched.balance) > 0.5 * mass * kick2) scene->watched.balance = 0.0;
     return status;

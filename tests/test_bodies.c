@@ -281,7 +281,7 @@ static struct scree_bodies make_one(const scree_body_def *def, double density) {
     struct scree_bodies bodies;
     scree_trouble trouble;
     CHECK(scree_bodies_create(&bodies, 1, NULL, 0, &trouble) == SCREE_OK);
-    scree_bodies_set(&bodies, 0, def, density);
+    CHECK(scree_bodies_set(&bodies, 0, def, density, &trouble) == SCREE_OK);
     CHECK(scree_bodies_finish(&bodies, pick, def, &trouble) == SCREE_OK);
     scree_bodies_start(&bodies, 0.0);
     return bodies;
@@ -386,7 +386,7 @@ static void test_joints(void) {
     CHECK(scree_motion_bake(&rise, &motions[0], &trouble) == SCREE_OK);
     CHECK(scree_motion_bake(&turn, &motions[1], &trouble) == SCREE_OK);
     CHECK(scree_bodies_create(&bodies, 1, motions, 2, &trouble) == SCREE_OK);
-    scree_bodies_set(&bodies, 0, &driven, 0.0);
+    CHECK(scree_bodies_set(&bodies, 0, &driven, 0.0, &trouble) == SCREE_OK);
     CHECK(scree_bodies_finish(&bodies, pick, &driven, &trouble) == SCREE_OK);
     scree_bodies_start(&bodies, 0.0);
     step_alone(&bodies, 500, 1e-3, gravity);

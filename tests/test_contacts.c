@@ -204,21 +204,22 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
     for (int i = 0; i < bodies->count; i++)
         for (int j = 0; j < bodies->count; j++) {
             if (i == j || !scree_contacts_rule(contacts, bodies, i, j, NULL)) continue;
-            scree_shape_kind ball = bodies->shape[i].kind, host = bodies->shape[j].kind;
+            scree_shape_kind ball = scree_kind_of(bodies, i)->shape.kind, host = scree_kind_of(bodies, j)->shape.kind;
             if (ball != SCREE_SPHERE && ball != SCREE_BOX) continue;
             if (ball == SCREE_SPHERE && host == SCREE_SPHERE && i > j) continue;
             if (ball == SCREE_BOX && host == SCREE_SPHERE) continue; /* there the sphere is the ball */
             if (ball == SCREE_BOX && host == SCREE_BOX && i < j) touching += count_edges(bodies, i, j);
             for (int c = 0; c < (ball == SCREE_BOX ? 8 : 1); c++) {
-                const double *corner = bodies->corner[ball == SCREE_BOX ? 1 + 8 * bodies->slot[i] + c : 0];
+                const double *corner =
+                    bodies->corner[ball == SCREE_BOX ? 1 + 8 * scree_kind_of(bodies, i)->slot + c : 0];
                 struct vec p = vec_add(vec_from(bodies->record[i].x), vec_from(corner)),
                            origin = vec_from(bodies->record[j].x);
                 double radius = bodies->record[i].radius, other = bodies->record[j].radius;
                 struct scree_meeting m = scree_meet_ball(p, radius, origin, other);
                 struct scree_whole whole = {vec_from(bodies->record[i].x),
-                                            ball == SCREE_BOX ? &bodies->attitude[bodies->slot[i]] : NULL};
+                                            ball == SCREE_BOX ? scree_attitude_of(bodies, i) : NULL};
                 if (host != SCREE_SPHERE) {
-                    const struct scree_attitude *a = &bodies->attitude[bodies->slot[j]];
+                    const struct scree_attitude *a = scree_attitude_of(bodies, j);
                     m = host == SCREE_PLANE       ? scree_meet_plane(p, radius, origin, &a->frame)
                         : host == SCREE_RECTANGLE ? scree_meet_rectangle(p, radius, whole, origin, &a->frame, a->half,
                                                                          scree_thickness(&bodies->record[i]))
@@ -264,10 +265,10 @@ static void check_candidates(double ratio, double spread, int count) {
             const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
             double far = vec_norm(vec_sub(vec_from(a->x), vec_from(b->x)));
             if (i == 0 || far > a->bound + b->bound + contacts->skin) continue; /* the floor is far below */
-            wrong += found >= contacts->pairs || contacts->pair[found].i != i || contacts->pair[found].j != j;
+            wrong += found >= contacts->end[i] || contacts->partner[found] != j;
             found++;
         }
-    CHECK(wrong == 0 && found == contacts->pairs);
+    CHECK(wrong == 0 && found == contacts->pairs && found == contacts->end[count]);
     scree_scene_destroy(scene);
     free(text);
 }
@@ -326,7 +327,7 @@ static void momenta(const scree_scene *scene, struct vec *p, struct vec *l) {
     *p = *l = vec(0.0, 0.0, 0.0);
     for (int k = 0; k < scene->bodies.count; k++) {
         const struct scree_state *s = &scene->bodies.state[k];
-        struct vec momentum = vec_scale(scene->bodies.inertia[k].mass, vec_from(s->v));
+        struct vec momentum = vec_scale(scree_kind_of(&scene->bodies, k)->inertia.mass, vec_from(s->v));
         *p = vec_add(*p, momentum);
         *l = vec_add(*l, vec_add(vec_from(s->l), vec_cross(vec_from(s->x), momentum)));
     }

@@ -864,7 +864,7 @@ static void test_rolling_momentum(void) {
             struct vec *sum = n ? &after : &before;
             for (int k = 0; k < 2; k++) {
                 const struct scree_state *state = &scene->bodies.state[k];
-                struct vec p = vec_scale(scene->bodies.inertia[k].mass, vec_from(state->v));
+                struct vec p = vec_scale(scree_kind_of(&scene->bodies, k)->inertia.mass, vec_from(state->v));
                 *sum = vec_add(*sum, vec_add(vec_from(state->l), vec_cross(vec_from(state->x), p)));
             }
             if (n == 0) go(scene, 10000);
