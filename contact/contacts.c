@@ -48,9 +48,10 @@ static scree_status make_cells(struct scree_contacts *contacts, size_t bodies) {
     contacts->place = malloc(places * sizeof *contacts->place);
     contacts->end = malloc((bodies + 2) * sizeof *contacts->end);
     contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
+    contacts->widest = malloc((bodies + 1) * sizeof *contacts->widest);
     contacts->plane = malloc((bodies + 1) * sizeof *contacts->plane);
-    int ok = contacts->spare && contacts->plane && contacts->level && contacts->key && contacts->next &&
-             contacts->place && contacts->end;
+    int ok = contacts->spare && contacts->widest && contacts->plane && contacts->level && contacts->key &&
+             contacts->next && contacts->place && contacts->end;
     return ok ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
@@ -97,6 +98,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     scree_contacts_free_scratch(contacts);
     free(contacts->index);
     free(contacts->spare);
+    free(contacts->widest);
     free(contacts->rule);
     free(contacts->rule_of);
     free(contacts->batch);

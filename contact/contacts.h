@@ -195,6 +195,7 @@ struct scree_contacts {
     double skin;       /* contacts with a gap up to this are in the outer list, m */
     double step;       /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
     double *spare;     /* per body: way that its margin may still take out of its half of the skin, m */
+    double *widest;    /* per body: margin that it should have at most, where bodies are few, m */
     long rebuilds;     /* of the outer list */
     long renewals;     /* of near lists */
     struct scree_tally tally[SCREE_SEGMENTS];
@@ -374,8 +375,9 @@ int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch
 /* The order of contacts in a segment; negative: a before b. */
 int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment);
 
-/* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
-double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin);
+/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`; above it, the corner of a box can't
+ * touch before the bodies have gone as much, both together. */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way);
 
 /* Near lists from the outer list. */
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,

@@ -16,19 +16,16 @@ static double steps_ahead(const struct scree_contacts *contacts, const struct sc
     return fmax(fmin(sqrt(1.25 * contacts->skin / way), 400.0), 20.0);
 }
 
-/* How far boxes are to move until a corner may touch since they are deeper in each other than their roundings: deep by D, it does so up to
- * 2.3 D beside the other one (cores drawn in by 0.6 D, corners by sqrt(3) times that, roundings as large), and both may change at once. */
+/* How far boxes are to move, their ways added up, until a corner may touch since they are deeper in each other than their roundings: deep by
+ * D, it does so up to 2.3 D beside the other one (cores drawn in by 0.6 D, corners by sqrt(3) times that, roundings as large). */
 static double gap_once_deep(const struct scree_bodies *bodies, const struct scree_contact *contact, double gap) {
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
-    double clear = scree_cores_apart(&boxes);
-    if (clear >= gap) return gap;
-    double depth =
-        clear > 0.0 ? 0.0 : fmax(scree_cores_depth(boxes.apart, boxes.a, &boxes.b->frame, boxes.b->half), 0.0);
-    return fmax(clear, (gap - 2.3 * depth) / 3.3);
+    double overlap = scree_cores_overlap(&boxes);
+    return fmax(-overlap, (gap - 2.3 * overlap) / 3.3);
 }
 
-/* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
-double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
+/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
     int slot = bodies->slot[contact->host];
@@ -39,12 +36,12 @@ double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
         return -scree_meet_rectangle(centre, a->radius, whole, origin, &partner->frame, partner->half,
-                                     scree_thickness(a) + skin)
+                                     scree_thickness(a) + way)
                     .overlap;
     case SCREE_BOX: {
         double gap =
             -scree_meet_box(centre, a->radius, whole, origin, &partner->frame, partner->half, b->radius).overlap;
-        return whole.box && gap > skin ? fmin(gap, gap_once_deep(bodies, contact, gap)) : gap;
+        return whole.box && gap > way ? fmin(gap, gap_once_deep(bodies, contact, gap)) : gap;
     }
     default:
         return -scree_meet_ball(centre, a->radius, origin, b->radius).overlap;
@@ -133,18 +130,11 @@ static void take_edges(struct scree_contacts *contacts, const struct scree_bodie
                        const struct scree_rule *rule, int ball, int host, enum pass pass) {
     struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
-    double clear = scree_cores_apart(&boxes), reach = boxes.rounding_a + boxes.rounding_b + contacts->skin;
-    if (clear > reach) return;
-    if (clear <
-        contacts->skin) { /* deep by D they touch at up to 2.9 D: drawn in by 0.6 D sqrt(2), roundings as large */
-        double depth = scree_cores_depth(boxes.apart, boxes.a, &boxes.b->frame, boxes.b->half);
-        reach += 2.9 * (fmax(depth, -clear) + contacts->skin);
+    int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, contacts->skin, code);
+    for (int k = 0; k < count; k++) {
+        struct scree_contact contact = {ball, host, code[k]};
+        take(bodies, batch, &contact, pass);
     }
-    for (int a = 0; a < SCREE_EDGES; a++)
-        for (int b = 0; b < SCREE_EDGES; b++) {
-            struct scree_contact contact = {ball, host, scree_crossing_code(a, b)};
-            if (scree_edges_apart(&boxes, a, b) <= reach) take(bodies, batch, &contact, pass);
-        }
 }
 
 /* Two boxes that are deep in each other, whatever their contacts say of it: the run must not go on as if nothing had happened. */
@@ -255,14 +245,33 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
     return SCREE_OK;
 }
 
-/* Give a body a margin out of what is left of its half of the skin: so wide that it lasts for `steps`. 0 if too little is left. */
+/* Margins where bodies are few: all that there is; but of boxes whose cores are apart only as far as that, for until these meet, corners and
+ * edges that can touch no sooner needn't be near. Not where that lasts too short: a list by far more margins costs more. */
+static void limit_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    double half = 0.5 * contacts->skin;
+    for (int k = 0; k < bodies->count; k++) contacts->widest[k] = half;
+    for (int k = 0; contacts->step > 0.0 && k < contacts->pairs; k++) {
+        int i = contacts->pair[k].i, j = contacts->pair[k].j;
+        if (bodies->shape[i].kind != SCREE_BOX || bodies->shape[j].kind != SCREE_BOX) continue;
+        struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
+        int alone = bodies->class[i] == SCREE_CLASS_FIXED || bodies->class[j] == SCREE_CLASS_FIXED;
+        double share = (alone ? 1.0 : 0.5) * scree_cores_apart(&boxes);
+        if (share < 0.25 * half) continue;
+        contacts->widest[i] = fmin(contacts->widest[i], share);
+        contacts->widest[j] = fmin(contacts->widest[j], share);
+    }
+}
+
+/* Give a body a margin out of what is left of its half of the skin: where bodies are many, so wide that it lasts for `steps`. 0 if too
+ * little is left. */
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
     double speed =
         vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * (bodies->slot[k] < 0 ? 0.0 : record->bound);
     double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
-    double margin = fmin(fmax(steps * way, least), most);
+    double few = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
+    double margin = bodies->order.slabs ? fmin(fmax(steps * way, least), most) : few;
     margin = fmin(fmax(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
     contacts->spare[k] = spare - margin;
@@ -270,14 +279,18 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
     return 1;
 }
 
-/* Margins after an outer list: narrow ones where bodies are many, all of the skin where they are few. */
+/* Margins after an outer list. */
 static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
-    double half = 0.5 * contacts->skin, steps = bodies->order.slabs ? steps_ahead(contacts, bodies) : 0.0;
+    double half = 0.5 * contacts->skin, steps = 0.0;
+    if (bodies->order.slabs)
+        steps = steps_ahead(contacts, bodies);
+    else
+        limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
-        int narrow = bodies->order.slabs > 0, fixed = bodies->class[k] == SCREE_CLASS_FIXED;
-        contacts->spare[k] = narrow ? half : 0.0;
+        int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
+        contacts->spare[k] = half;
         bodies->record[k].path = fixed ? half : 0.0;
-        if (!narrow || fixed || grant(contacts, bodies, k, steps)) continue;
+        if (fixed || grant(contacts, bodies, k, steps)) continue;
         bodies->record[k].path = contacts->spare[k] = 0.0; /* so fast that it takes all at once */
     }
 }
@@ -376,9 +389,11 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
 
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
-    double half = 0.5 * contacts->skin;
-    if (bodies->order.slabs == 0) return scree_contacts_list(contacts, bodies, threads, trouble);
-    double steps = steps_ahead(contacts, bodies);
+    double half = 0.5 * contacts->skin, steps = 0.0;
+    if (bodies->order.slabs)
+        steps = steps_ahead(contacts, bodies);
+    else
+        limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
