@@ -131,20 +131,41 @@ static double square_apart(const struct edge *a, const struct edge *b, struct ve
     return vec_norm2(vec_axpy(vec_axpy(from_b_to_a, s, a->along), -t, b->along));
 }
 
-int scree_near_edges(const struct scree_two_boxes *boxes, double way, int code[SCREE_EDGES * SCREE_EDGES]) {
-    double roundings = boxes->rounding_a + boxes->rounding_b, overlap = scree_cores_overlap(boxes);
+/* Edges of a core that come within `reach` of the bounds of another one along its axes; returns how many. */
+static int edges_near(const struct scree_attitude *own, struct vec from_other, const struct scree_attitude *other,
+                      double reach, int near[SCREE_EDGES]) {
+    int count = 0;
+    for (int k = 0; k < SCREE_EDGES; k++) {
+        struct edge edge = edge_of(own, k, 0.0);
+        struct vec middle = vec_add(from_other, edge.middle);
+        int far = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            struct vec n = other->frame.column[axis];
+            far |= fabs(vec_dot(n, middle)) - edge.half * fabs(vec_dot(n, edge.along)) > other->half[axis] + reach;
+        }
+        near[count] = k;
+        count += !far;
+    }
+    return count;
+}
+
+int scree_near_edges(const struct scree_two_boxes *boxes, double overlap, double way,
+                     int code[SCREE_EDGES * SCREE_EDGES]) {
+    double roundings = boxes->rounding_a + boxes->rounding_b;
     if (-overlap > roundings + way) return 0;
     /* Deep by D they touch at up to 2.9 D: drawn in by 0.6 D sqrt(2) each, both roundings larger by 0.6 D. */
     double reach = roundings + way + 2.9 * fmax(overlap + way, 0.0);
     struct edge b[SCREE_EDGES];
-    int count = 0;
-    for (int k = 0; k < SCREE_EDGES; k++) b[k] = edge_of(boxes->b, k, 0.0);
-    for (int ea = 0; ea < SCREE_EDGES; ea++) {
-        struct edge a = edge_of(boxes->a, ea, 0.0);
+    int of_a[SCREE_EDGES + 1], of_b[SCREE_EDGES + 1], count = 0;
+    int near_a = edges_near(boxes->a, boxes->apart, boxes->b, reach, of_a);
+    int near_b = edges_near(boxes->b, vec_scale(-1.0, boxes->apart), boxes->a, reach, of_b);
+    for (int k = 0; k < near_b; k++) b[k] = edge_of(boxes->b, of_b[k], 0.0);
+    for (int i = 0; i < near_a; i++) {
+        struct edge a = edge_of(boxes->a, of_a[i], 0.0);
         struct vec middle = vec_add(boxes->apart, a.middle);
-        for (int eb = 0; eb < SCREE_EDGES; eb++)
-            if (square_apart(&a, &b[eb], vec_sub(middle, b[eb].middle)) <= reach * reach)
-                code[count++] = scree_crossing_code(ea, eb);
+        for (int k = 0; k < near_b; k++)
+            if (square_apart(&a, &b[k], vec_sub(middle, b[k].middle)) <= reach * reach)
+                code[count++] = scree_crossing_code(of_a[i], of_b[k]);
     }
     return count;
 }

@@ -375,9 +375,9 @@ int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch
 /* The order of contacts in a segment; negative: a before b. */
 int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment);
 
-/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`; above it, the corner of a box can't
- * touch before the bodies have gone as much, both together. */
-double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way);
+/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. What is above it can't touch before
+ * the bodies have gone as much, both together. `overlap`: of the cores of two boxes (scree_cores_overlap). */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way, double overlap);
 
 /* Near lists from the outer list. */
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,

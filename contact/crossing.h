@@ -64,8 +64,10 @@ struct scree_crossing scree_meet_edges(const struct scree_two_boxes *boxes, int 
 /* The code of two edges in scree_contact.corner; above 0. */
 static inline int scree_crossing_code(int edge_of_a, int edge_of_b) { return 1 + edge_of_a * SCREE_EDGES + edge_of_b; }
 
-/* The codes of all edges that may touch before the boxes have gone `way`, m, their ways added up; returns how many. */
-int scree_near_edges(const struct scree_two_boxes *boxes, double way, int code[SCREE_EDGES * SCREE_EDGES]);
+/* The codes of all edges that may touch before the boxes have gone `way`, m, their ways added up; `overlap`: scree_cores_overlap. Returns
+ * how many. */
+int scree_near_edges(const struct scree_two_boxes *boxes, double overlap, double way,
+                     int code[SCREE_EDGES * SCREE_EDGES]);
 
 /* How far the cores are apart, from below; 0 if no axis of theirs separates them. */
 double scree_cores_apart(const struct scree_two_boxes *boxes);

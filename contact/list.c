@@ -16,16 +16,9 @@ static double steps_ahead(const struct scree_contacts *contacts, const struct sc
     return fmax(fmin(sqrt(1.25 * contacts->skin / way), 400.0), 20.0);
 }
 
-/* How far boxes are to move, their ways added up, until a corner may touch since they are deeper in each other than their roundings: deep by
- * D, it does so up to 2.3 D beside the other one (cores drawn in by 0.6 D, corners by sqrt(3) times that, roundings as large). */
-static double gap_once_deep(const struct scree_bodies *bodies, const struct scree_contact *contact, double gap) {
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
-    double overlap = scree_cores_overlap(&boxes);
-    return fmax(-overlap, (gap - 2.3 * overlap) / 3.3);
-}
-
-/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. */
-double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way) {
+/* The corner of a box may touch another one sooner than its gap tells since they are deeper in each other than their roundings: deep by D,
+ * it does so up to 2.3 D beside it (cores drawn in by 0.6 D, corners by sqrt(3) times that, roundings as large). */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way, double overlap) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
     int slot = bodies->slot[contact->host];
@@ -41,7 +34,7 @@ double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *
     case SCREE_BOX: {
         double gap =
             -scree_meet_box(centre, a->radius, whole, origin, &partner->frame, partner->half, b->radius).overlap;
-        return whole.box && gap > way ? fmin(gap, gap_once_deep(bodies, contact, gap)) : gap;
+        return whole.box && gap > way ? fmin(gap, fmax(-overlap, (gap - 2.3 * overlap) / 3.3)) : gap;
     }
     default:
         return -scree_meet_ball(centre, a->radius, origin, b->radius).overlap;
@@ -112,28 +105,17 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
     segment->outer_count++;
 }
 
-/* The balls of body `ball` that are near body `host`: its corners, or itself. */
+/* The balls of body `ball` that are near body `host`: its corners, or itself; `overlap` of the cores of two boxes. */
 static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int ball, int host, enum pass pass) {
+                       const struct scree_rule *rule, int ball, int host, double overlap, enum pass pass) {
     struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(bodies->shape[host].kind));
     int box = bodies->shape[ball].kind == SCREE_BOX;
     int first = box ? 1 + 8 * bodies->slot[ball] : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
-        if (near || scree_gap(bodies, &contact, contacts->skin) <= contacts->skin) take(bodies, batch, &contact, pass);
-    }
-}
-
-/* Edges of two boxes that may touch before the list is made anew. */
-static void take_edges(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int ball, int host, enum pass pass) {
-    struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
-    int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, contacts->skin, code);
-    for (int k = 0; k < count; k++) {
-        struct scree_contact contact = {ball, host, code[k]};
-        take(bodies, batch, &contact, pass);
+        if (near || scree_gap(bodies, &contact, contacts->skin, overlap) <= contacts->skin)
+            take(bodies, batch, &contact, pass);
     }
 }
 
@@ -148,6 +130,24 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
     contacts->deepest = deep;
     contacts->deepest_ball = bodies->number[i];
     contacts->deepest_host = bodies->number[j];
+}
+
+/* Corners and edges of two boxes that may touch before the list is made anew. */
+static void take_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                       const struct scree_rule *rule, int i, int j, enum pass pass) {
+    struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
+    int swap = bodies->number[i] > bodies->number[j], ball = swap ? j : i, host = swap ? i : j;
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
+    double overlap = scree_cores_overlap(&boxes), roundings = boxes.rounding_a + boxes.rounding_b;
+    if (-overlap > roundings + contacts->skin) return;
+    if (pass == COUNT && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
+    take_balls(contacts, bodies, rule, i, j, overlap, pass);
+    take_balls(contacts, bodies, rule, j, i, overlap, pass);
+    int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, overlap, contacts->skin, code);
+    for (int k = 0; k < count; k++) {
+        struct scree_contact contact = {ball, host, code[k]};
+        take(bodies, batch, &contact, pass);
+    }
 }
 
 /* A ball on one image of another: `periods` off; on the other itself if they are none. */
@@ -188,17 +188,13 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
         int swap = bodies->number[i] > bodies->number[j];
         take_images(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
     } else if (a == SCREE_SPHERE && b == SCREE_SPHERE && bodies->number[i] > bodies->number[j])
-        take_balls(contacts, bodies, rule, j, i, pass); /* who is the ball mustn't depend on the order */
-    else if (a == SCREE_SPHERE)
-        take_balls(contacts, bodies, rule, i, j, pass);
-    else
-        take_balls(contacts, bodies, rule, b == SCREE_SPHERE || a != SCREE_BOX ? j : i,
-                   b == SCREE_SPHERE || a != SCREE_BOX ? i : j, pass);
-    if (a != SCREE_BOX || b != SCREE_BOX) return;
-    if (pass == COUNT) note_depth(contacts, bodies, i, j);
-    take_balls(contacts, bodies, rule, j, i, pass);
-    int swap = bodies->number[i] > bodies->number[j];
-    take_edges(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
+        take_balls(contacts, bodies, rule, j, i, 0.0, pass); /* who is the ball mustn't depend on the order */
+    else if (a == SCREE_BOX && b == SCREE_BOX)
+        take_boxes(contacts, bodies, rule, i, j, pass);
+    else {
+        int second = a != SCREE_SPHERE && (b == SCREE_SPHERE || a != SCREE_BOX);
+        take_balls(contacts, bodies, rule, second ? j : i, second ? i : j, 0.0, pass);
+    }
 }
 
 /* Pairs whose first body is at a place from … to - 1. */
@@ -245,6 +241,12 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
     return SCREE_OK;
 }
 
+/* More than so many bodies have narrow margins. */
+enum { FEW = 256 };
+static int are_many(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    return contacts->step > 0.0 && (bodies->order.slabs > 0 || bodies->count > FEW);
+}
+
 /* Margins where bodies are few: all that there is; but of boxes whose cores are apart only as far as that, for until these meet, corners and
  * edges that can touch no sooner needn't be near. Not where that lasts too short: a list by far more margins costs more. */
 static void limit_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
@@ -271,7 +273,7 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
         vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * (bodies->slot[k] < 0 ? 0.0 : record->bound);
     double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
     double few = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
-    double margin = bodies->order.slabs ? fmin(fmax(steps * way, least), most) : few;
+    double margin = are_many(contacts, bodies) ? fmin(fmax(steps * way, least), most) : few;
     margin = fmin(fmax(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
     contacts->spare[k] = spare - margin;
@@ -282,7 +284,7 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
 /* Margins after an outer list. */
 static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double half = 0.5 * contacts->skin, steps = 0.0;
-    if (bodies->order.slabs)
+    if (are_many(contacts, bodies))
         steps = steps_ahead(contacts, bodies);
     else
         limit_margins(contacts, bodies);
@@ -390,7 +392,7 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin, steps = 0.0;
-    if (bodies->order.slabs)
+    if (are_many(contacts, bodies))
         steps = steps_ahead(contacts, bodies);
     else
         limit_margins(contacts, bodies);

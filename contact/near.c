@@ -111,22 +111,29 @@ static int keeps_something(double *const *column, int columns, int k) {
     return 0;
 }
 
-/* The near edges of the two boxes looked at last, by rising codes; the first that hasn't been asked for. */
+/* What was seen of the two boxes looked at last: how deep their cores are in each other; of edges the near ones, by rising codes, and the
+ * first of them that hasn't been asked for. */
 struct sight {
-    int ball, host, count, next;
-    int code[SCREE_EDGES * SCREE_EDGES];
+    int ball, host;
+    double overlap;
+    int count, next, code[SCREE_EDGES * SCREE_EDGES];
 };
+
+static void look_at(struct sight *sight, const struct scree_bodies *bodies, const struct scree_contact *contact,
+                    int edges, double left) {
+    if (sight->ball == contact->ball && sight->host == contact->host) return;
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    sight->ball = contact->ball;
+    sight->host = contact->host;
+    sight->overlap = scree_cores_overlap(&boxes);
+    sight->count = edges ? scree_near_edges(&boxes, sight->overlap, left, sight->code) : 0;
+    sight->next = 0;
+}
 
 /* Contacts of two boxes are asked for by rising codes. */
 static int sees_edges(struct sight *sight, const struct scree_bodies *bodies, const struct scree_contact *contact,
                       double left) {
-    if (sight->ball != contact->ball || sight->host != contact->host) {
-        struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
-        sight->ball = contact->ball;
-        sight->host = contact->host;
-        sight->count = scree_near_edges(&boxes, left, sight->code);
-        sight->next = 0;
-    }
+    look_at(sight, bodies, contact, 1, left);
     while (sight->next < sight->count && sight->code[sight->next] < contact->corner) sight->next++;
     return sight->next < sight->count && sight->code[sight->next] == contact->corner;
 }
@@ -143,7 +150,9 @@ static inline int is_near(const struct scree_bodies *bodies, const struct scree_
     if (batch->geometry == SCREE_EDGE_EDGE) return sees_edges(sight, bodies, contact, left);
     if (batch->geometry == SCREE_BALL_IMAGE)
         return vec_norm(scree_apart(bodies, contact, SCREE_BALL_IMAGE)) - ball->radius - host->radius <= left;
-    return scree_gap(bodies, contact, left) <= left;
+    int boxes = batch->geometry == SCREE_BALL_BOX && contact->corner > 0;
+    if (boxes) look_at(sight, bodies, contact, 0, left);
+    return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
 }
 
 /* The new list of a segment into the scratch: what is near enough, and what keeps something. Returns its length. */
