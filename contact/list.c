@@ -258,7 +258,7 @@ static void limit_margins(struct scree_contacts *contacts, const struct scree_bo
         struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
         int alone = bodies->class[i] == SCREE_CLASS_FIXED || bodies->class[j] == SCREE_CLASS_FIXED;
         double share = (alone ? 1.0 : 0.5) * scree_cores_apart(&boxes);
-        if (share < 0.25 * half) continue;
+        if (share < half / 64.0) continue;
         contacts->widest[i] = fmin(contacts->widest[i], share);
         contacts->widest[j] = fmin(contacts->widest[j], share);
     }

@@ -242,7 +242,7 @@ static void test_lists_leave_no_trace(void) {
             begin_draft(0.0, 1e-6, 1500.0, "law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 450");
         add_floor(d);
         for (int k = 0; k < 60; k++) {
-            char name[16], more[160];
+            char name[16], more[256];
             struct quat q = oracle_attitude(&seed);
             snprintf(name, sizeof name, "b%d", k);
             snprintf(more, sizeof more, "orientation = [%.17g, %.17g, %.17g, %.17g]\nvelocity = [%g, %g, -0.5]", q.w,
@@ -255,7 +255,7 @@ static void test_lists_leave_no_trace(void) {
         scree_scene *scene = end_draft(d);
         scene->contacts.skin = skins[n];
         CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
-        go(scene, 20000);
+        go(scene, 15000);
         hash[n] = scree_scene_hash(scene);
         scree_scene_destroy(scene);
     }
@@ -374,7 +374,7 @@ static void test_crossed_faces(void) {
         }
         scree_scene *scene = end_draft(d);
         double mass = scree_scene_body_mass(scene, scree_scene_find_body(scene, "upper"));
-        go(scene, 20000);
+        go(scene, 15000);
         CHECK(moved(scene, 2000, &kinetic) < 1e-14);
         NEAR(state_of(scene, "upper").position[2], height - mass * 9.81 / (8.0 * stiffness), 1e-12);
         scree_scene_destroy(scene);
