@@ -27,6 +27,7 @@ static const char help[] =
     "  stress    extreme masses, stiffnesses, sizes, speeds, stacks, long rests: what happens, and what is said of it\n"
     "  collide   contacts of boxes against an exact distance, and energy of their impacts, for millions of random "
     "pairs\n"
+    "  boxes     time of the contacts of boxes, boxes poured by the thousand, towers that stand\n"
     "\n"
     "Results are CSV on standard output. `scree-bench BENCHMARK --help` tells more.\n";
 

@@ -9,24 +9,25 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const char help[] = "usage: scree-bench boxes [--pairs] [--count N] [--seconds N] [--tower N] [--threads N]\n"
-                           "\n"
-                           "--pairs: time of the contact stage for pairs of boxes that are pressed together: pair, "
-                           "contacts listed and touching of a pair,\n"
-                           "ns per pair, per touching contact.\n"
-                           "--count N: boxes of six shapes poured into a shaft, which is filled once its cells are, "
-                           "for --seconds (3) tenths of a second:\n"
-                           "boxes, steps, ns per box and step; touching contacts at the end, ns of a step per one of "
-                           "them, over the last hundredth of the run;\n"
-                           "kinetic energy over the largest before, largest overlap over the tolerable.\n"
-                           "--tower N: towers of 20 boxes for N seconds, of rounded and of sharp ones: how far "
-                           "any box has moved after the first second,\n"
-                           "over a side; kinetic energy over the tower's potential energy. Then a box on a slope of "
-                           "0.999 of the critical angle: the same,\n"
-                           "over its length; and of 1.001: its acceleration over g (sin a - mu cos a), less 1.\n"
-                           "Without any of them: all, of small sizes.\n"
-                           "\n"
-                           "example: scree-bench boxes --tower 100\n";
+static const char help[] =
+    "usage: scree-bench boxes [--pairs] [--count N] [--seconds N] [--tower N] [--threads N]\n"
+    "\n"
+    "--pairs: time of the contact stage for pairs of boxes that are pressed together: pair, "
+    "contacts listed and touching of a pair,\n"
+    "ns per pair, per touching contact.\n"
+    "--count N: boxes of six shapes poured into a shaft, which is filled once its cells are, "
+    "for --seconds (3) tenths of a second:\n"
+    "boxes, steps, microseconds of a step, ns per box and step; touching contacts at the end, ns of a step per one of "
+    "them, over the last hundredth of the run;\n"
+    "kinetic energy over the largest before, largest overlap over the tolerable.\n"
+    "--tower N: towers of 20 boxes for N seconds, of rounded and of sharp ones: how far "
+    "any box has moved after the first second,\n"
+    "over a side; kinetic energy over the tower's potential energy. Then a box on a slope of "
+    "0.999 of the critical angle: the same,\n"
+    "over its length; and of 1.001: its acceleration over g (sin a - mu cos a), less 1.\n"
+    "Without any of them: all, of small sizes.\n"
+    "\n"
+    "example: scree-bench boxes --tower 100\n";
 
 struct text {
     char *at;
@@ -49,15 +50,18 @@ __attribute__((format(printf, 2, 3))) static void add(struct text *text, const c
     }
 }
 
-static struct text begin(double gravity, double step, double stiffness, double restitution, int threads) {
+/* `step` 0: automatic; `rub`: damping of the friction law, N s/m. */
+static struct text begin(double gravity, double step, double stiffness, double restitution, double rub, int threads) {
     struct text text = {.at = calloc(65536, 1), .size = 65536};
     if (!text.at) exit(EXIT_MISSED);
+    char steps[32] = "\"auto\"";
+    if (step > 0.0) snprintf(steps, sizeof steps, "%.17g", step);
     add(&text,
-        "gravity = [0, 0, %.17g]\n[time]\nend = 1000.0\nstep = %.17g\nthreads = %d\n[[material]]\nname = \"m\"\n"
+        "gravity = [0, 0, %.17g]\n[time]\nend = 1000.0\nstep = %s\nthreads = %d\n[[material]]\nname = \"m\"\n"
         "density = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
         "normal = { law = \"linear-cut\", stiffness = %.17g, restitution = %.17g }\n"
         "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = %.17g, damping = %.17g }\n",
-        -gravity, step, threads, stiffness, restitution, 0.3 * stiffness, 5e-5 * stiffness);
+        -gravity, steps, threads, stiffness, restitution, 0.3 * stiffness, rub);
     return text;
 }
 
@@ -88,7 +92,7 @@ static const struct {
              {"equal cubes, edge on edge", 0.1, 0.1414, 0.0, 1}};
 
 static void time_pairs(int kind) {
-    struct text text = begin(0.0, 1e-6, 1e5, 0.5, 1);
+    struct text text = begin(0.0, 1e-6, 1e5, 0.5, 5.0, 1);
     const double large[3] = {0.1, 0.1, 0.1}, small[3] = {pairs[kind].small, pairs[kind].small, pairs[kind].small};
     double half = pairs[kind].turn * 3.14159265358979 / 360.0, quarter = 3.14159265358979 / 8.0;
     for (int k = 0; k < PAIRS; k++) {
@@ -143,21 +147,35 @@ static void add_shaft(struct text *text, double width) {
             k, walls[k].x * width, walls[k].y * width, walls[k].turn);
 }
 
+/* A contact bears the heaviest box, a cube, at the speed of the longest fall, on the thinnest one: its overlap stays below the
+ * tolerable one, half a half-width. Friction's spring is damped by half of what is critical for two of the lightest. The step is a twentieth of
+ * the shortest contact, with all that can bear upon it: 2.5 automatic ones, and below half of what is stable. */
 static scree_scene *shaft_of_boxes(int count, int threads) {
-    const double size = 0.01, cell = 1.65 * size; /* as wide as the longest diagonal */
-    struct text text = begin(9.81, 1e-5, 500.0, 0.5, threads);
-    int row = (int)fmax(6.0, ceil(cbrt(2.0 * count)));
+    const double size = 0.01, cell = 1.65 * size, thinnest = 0.2; /* a cell is as wide as the longest diagonal */
+    int row = (int)fmax(6.0, ceil(cbrt(8.0 * count)));
+    double start = 0.5, fall = (count / row / row + 1) * cell, speed2 = start * start + 2.0 * 9.81 * fall;
+    double heaviest = 1000.0 * size * size * size, lightest = heaviest * thinnest * thinnest,
+           limit = 0.25 * thinnest * size;
+    double stiffness = heaviest * speed2 / (limit * limit);
+    struct text text = begin(9.81, 0.0, stiffness, 0.5, sqrt(0.3 * stiffness * 0.5 * lightest), threads);
     add_shaft(&text, row * cell);
     uint64_t seed = 1;
     for (int k = 0; k < count; k++) {
         int shape = k % ORACLE_SHAPES;
         double edge[3], half = 0.5 * row;
-        for (int axis = 0; axis < 3; axis++) edge[axis] = size * fmax(oracle_edges[shape][axis], 0.2);
+        for (int axis = 0; axis < 3; axis++) edge[axis] = size * fmax(oracle_edges[shape][axis], thinnest);
         struct vec at =
             vec((k % row + 0.5 - half) * cell, (k / row % row + 0.5 - half) * cell, (k / row / row + 0.6) * cell);
         add_box(&text, k, edge, 0.05 * size, at, oracle_attitude(&seed), "velocity = [0, 0, -0.5]");
     }
-    return scene_of(&text);
+    scree_scene *scene = bench_scene_text(text.at, NULL, 0);
+    char step[64];
+    snprintf(step, sizeof step, "time.step=%.17g", 2.5 * scree_scene_step_length(scene));
+    scree_scene_destroy(scene);
+    const char *changes[] = {step};
+    scene = bench_scene_text(text.at, changes, 1);
+    free(text.at);
+    return scene;
 }
 
 static void pour(int count, double seconds, int threads) {
@@ -173,7 +191,7 @@ static void pour(int count, double seconds, int threads) {
     double end = bench_now(), ns = (end - start) * 1e9 / ((double)done * count);
     int touching = 0;
     scree_scene_contacts(scene, NULL, 0, &touching);
-    printf("%d,%ld,%.0f,%d,%.0f,%.3g,%.3g\n", count, done, ns, touching,
+    printf("%d,%ld,%.3g,%.0f,%d,%.0f,%.3g,%.3g\n", count, done, scree_scene_step_length(scene) * 1e6, ns, touching,
            (end - late) * 1e9 / ((double)(steps - last) * touching), energy_of(scene) / most,
            scree_scene_deepest(scene, NULL, NULL));
     scree_scene_destroy(scene);
@@ -202,7 +220,7 @@ static const struct {
 static void build_tower(int kind, double seconds) {
     enum { HEIGHT = 20 };
     const double edge[3] = {0.1, 0.1, 0.1};
-    struct text text = begin(9.81, 2e-5, 1e6, 0.2, 1);
+    struct text text = begin(9.81, 2e-5, 1e6, 0.2, 50.0, 1);
     double potential = 0.0;
     add(&text, "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n");
     for (int k = 0; k < HEIGHT; k++)
@@ -276,7 +294,7 @@ int bench_boxes(int count, char **words) {
         for (int kind = 0; kind < (int)(sizeof pairs / sizeof pairs[0]); kind++) time_pairs(kind);
     }
     if (all || boxes) {
-        printf("boxes_poured,steps,box_step_ns,touching,contact_ns,kinetic,deepest\n");
+        printf("boxes_poured,steps,step_us,box_step_ns,touching,contact_ns,kinetic,deepest\n");
         pour(box_count, 0.1 * tenths, team);
     }
     if (all || tower) stand(fmax(last, 4.0));

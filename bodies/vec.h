@@ -8,6 +8,9 @@
 /* For what is called several times in one pass of the loop: what isn't inlined isn't vectorised. */
 #define SCREE_INLINE inline __attribute__((always_inline))
 
+/* x, or the end of [-half, half] beyond which it is. fmin and fmax are calls: they mind NaNs and signs of zeros. */
+static SCREE_INLINE double scree_clamp(double x, double half) { return x < -half ? -half : x > half ? half : x; }
+
 struct vec {
     double x, y, z;
 };

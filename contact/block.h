@@ -331,25 +331,31 @@ static inline void gather_crossing(const struct scree_bodies *bodies, const stru
     put(lean->turn_host, lane, vec_add(c.turn_b, vec_cross(host_arm, n)));
 }
 
-/* Whether two boxes may touch edge on edge in this step. Where they can't, all would come out as zero. */
+/* The most that a point of a body goes in a second, m. */
+static inline double haste_of(const struct scree_record *record) {
+    return vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * record->bound;
+}
+
+/* Whether two boxes may touch edge on edge in this step, whose own way counts too: a contact that begins in it is felt from its beginning.
+ * Where they can't, all would come out as zero. */
 static inline int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                            const struct scree_run *run) {
+                            const struct scree_run *run, double step) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     double way = a->path + b->path - run->from;
-    if (2.0 * way < run->clear) return 0; /* twice: the step's own way, wherever it is within it */
+    if (way < run->clear && way + step * (haste_of(a) + haste_of(b)) < run->clear) return 0;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
     return !scree_meet_as_rectangles(&boxes, run->first);
 }
 
 /* Contacts first … first + count - 1 of segment 0, a block of it. Returns 0 if nothing can touch; then nothing is gathered. */
 static inline int gather_crossings(const struct scree_bodies *bodies, const struct scree_batch *batch, int first,
-                                   int count, struct block *b, struct lean *lean) {
+                                   int count, double step, struct block *b, struct lean *lean) {
     const struct scree_contact *contact = batch->contact + batch->segment[0].first;
     int start = first - batch->segment[0].first, first_run = batch->first_run[start / SCREE_LANES];
     int runs = 0, any = 0, may[SCREE_LANES];
     const struct scree_run *run = batch->run + first_run;
     for (; first_run + runs < batch->runs && run[runs].start < start + count; runs++)
-        any |= may[runs] = may_cross(bodies, &contact[run[runs].start], &run[runs]);
+        any |= may[runs] = may_cross(bodies, &contact[run[runs].start], &run[runs], step);
     if (!any) return 0;
     struct ends ends;
     find_ends(bodies, contact + start, count, &ends);

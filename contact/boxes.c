@@ -29,7 +29,7 @@ double scree_cores_depth(struct vec apart, const struct scree_attitude *a, const
 static struct vec nearest_in_box(struct vec centre, const struct scree_attitude *box, struct vec point) {
     struct vec p = mat_undo(&box->frame, vec_sub(point, centre));
     const double *h = box->half;
-    struct vec inside = vec(fmin(fmax(p.x, -h[0]), h[0]), fmin(fmax(p.y, -h[1]), h[1]), fmin(fmax(p.z, -h[2]), h[2]));
+    struct vec inside = vec(scree_clamp(p.x, h[0]), scree_clamp(p.y, h[1]), scree_clamp(p.z, h[2]));
     return vec_add(centre, mat_apply(&box->frame, inside));
 }
 
@@ -120,16 +120,54 @@ static int lines_cross(const struct edge *a, const struct edge *b, struct vec fr
     return 1;
 }
 
-/* Distance of two edges, ends included (Ericson, Real-Time Collision Detection, 2005, section 5.1.9). */
-double scree_edges_apart(const struct scree_two_boxes *boxes, int ea, int eb) {
-    struct edge a = edge_of(boxes->a, ea, 0.0), b = edge_of(boxes->b, eb, 0.0);
-    struct vec r = vec_sub(vec_add(boxes->apart, a.middle), b.middle);
-    double same = vec_dot(a.along, b.along), along_a = vec_dot(r, a.along), along_b = vec_dot(r, b.along);
+/* Square of the distance of two edges, ends included (Ericson, Real-Time Collision Detection, 2005, section 5.1.9). */
+static double square_apart(const struct edge *a, const struct edge *b, struct vec from_b_to_a) {
+    double same = vec_dot(a->along, b->along);
+    double along_a = vec_dot(from_b_to_a, a->along), along_b = vec_dot(from_b_to_a, b->along);
     double square = 1.0 - same * same, s = square > 1e-12 ? (same * along_b - along_a) / square : 0.0;
-    s = fmin(fmax(s, -a.half), a.half);
-    double t = fmin(fmax(along_b + same * s, -b.half), b.half);
-    s = fmin(fmax(same * t - along_a, -a.half), a.half);
-    return vec_norm(vec_axpy(vec_axpy(r, s, a.along), -t, b.along));
+    s = scree_clamp(s, a->half);
+    double t = scree_clamp(along_b + same * s, b->half);
+    s = scree_clamp(same * t - along_a, a->half);
+    return vec_norm2(vec_axpy(vec_axpy(from_b_to_a, s, a->along), -t, b->along));
+}
+
+/* Edges of a core that come within `reach` of the bounds of another one along its axes; returns how many. */
+static int edges_near(const struct scree_attitude *own, struct vec from_other, const struct scree_attitude *other,
+                      double reach, int near[SCREE_EDGES]) {
+    int count = 0;
+    for (int k = 0; k < SCREE_EDGES; k++) {
+        struct edge edge = edge_of(own, k, 0.0);
+        struct vec middle = vec_add(from_other, edge.middle);
+        int far = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            struct vec n = other->frame.column[axis];
+            far |= fabs(vec_dot(n, middle)) - edge.half * fabs(vec_dot(n, edge.along)) > other->half[axis] + reach;
+        }
+        near[count] = k;
+        count += !far;
+    }
+    return count;
+}
+
+int scree_near_edges(const struct scree_two_boxes *boxes, double overlap, double way,
+                     int code[SCREE_EDGES * SCREE_EDGES]) {
+    double roundings = boxes->rounding_a + boxes->rounding_b;
+    if (-overlap > roundings + way) return 0;
+    /* Deep by D they touch at up to 2.9 D: drawn in by 0.6 D sqrt(2) each, both roundings larger by 0.6 D. */
+    double reach = roundings + way + 2.9 * fmax(overlap + way, 0.0);
+    struct edge b[SCREE_EDGES];
+    int of_a[SCREE_EDGES + 1], of_b[SCREE_EDGES + 1], count = 0;
+    int near_a = edges_near(boxes->a, boxes->apart, boxes->b, reach, of_a);
+    int near_b = edges_near(boxes->b, vec_scale(-1.0, boxes->apart), boxes->a, reach, of_b);
+    for (int k = 0; k < near_b; k++) b[k] = edge_of(boxes->b, of_b[k], 0.0);
+    for (int i = 0; i < near_a; i++) {
+        struct edge a = edge_of(boxes->a, of_a[i], 0.0);
+        struct vec middle = vec_add(boxes->apart, a.middle);
+        for (int k = 0; k < near_b; k++)
+            if (square_apart(&a, &b[k], vec_sub(middle, b[k].middle)) <= reach * reach)
+                code[count++] = scree_crossing_code(of_a[i], of_b[k]);
+    }
+    return count;
 }
 
 /* ---- boxes deeper in each other than their roundings ---- */
@@ -166,7 +204,15 @@ static double aside_of(const struct way *way) {
     return t * t;
 }
 
-/* Returns 0 for edges that are parallel. */
+static double recess_along(const struct scree_two_boxes *boxes, struct vec n) {
+    double recess = 0.0;
+    for (int k = 0; k < 3; k++)
+        recess +=
+            smooth_size(vec_dot(n, boxes->a->frame.column[k])) + smooth_size(vec_dot(n, boxes->b->frame.column[k]));
+    return recess;
+}
+
+/* All but the recess. Returns 0 for edges that are parallel. */
 static int look_along(const struct scree_two_boxes *boxes, int axis, struct way *way) {
     const struct scree_attitude *a = boxes->a, *b = boxes->b;
     struct vec direction = direction_of(&a->frame, &b->frame, axis);
@@ -174,10 +220,8 @@ static int look_along(const struct scree_two_boxes *boxes, int axis, struct way 
     if (size < parallel) return 0;
     double along = vec_dot(direction, boxes->apart);
     struct vec n = vec_scale((along < 0.0 ? -1.0 : 1.0) / size, direction);
-    double depth = (scree_box_reach(direction, a) + scree_box_reach(direction, b) - fabs(along)) / size, recess = 0.0;
-    for (int k = 0; k < 3; k++)
-        recess += smooth_size(vec_dot(n, a->frame.column[k])) + smooth_size(vec_dot(n, b->frame.column[k]));
-    *way = (struct way){axis, size, n, depth, recess};
+    double depth = (scree_box_reach(direction, a) + scree_box_reach(direction, b) - fabs(along)) / size;
+    *way = (struct way){axis, size, n, depth, 0.0};
     return 1;
 }
 
@@ -262,6 +306,7 @@ void scree_draw_in(struct scree_two_boxes *boxes) {
         if (way[ways].depth < way[least].depth) least = ways;
         ways++;
     }
+    for (int k = 0; k < ways; k++) way[k].recess = recess_along(boxes, way[k].normal);
     /* The depth of what they are drawn in to, roundings included. */
     double roundings = boxes->rounding_a + boxes->rounding_b, depth = way[least].depth, by = inset_per_depth * depth;
     for (int k = 1; k < ways; k++)
@@ -412,6 +457,11 @@ double scree_cores_apart(const struct scree_two_boxes *boxes) {
         most = fmax(most, fabs(vec_dot(axis, boxes->apart)) - reach);
     }
     return most;
+}
+
+double scree_cores_overlap(const struct scree_two_boxes *boxes) {
+    double clear = scree_cores_apart(boxes);
+    return clear > 0.0 ? -clear : scree_cores_depth(boxes->apart, boxes->a, &boxes->b->frame, boxes->b->half);
 }
 
 /* An axis in common, along which each has an end within the other. */

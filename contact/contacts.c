@@ -41,8 +41,9 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
 
 static scree_status make_numbers(struct scree_contacts *contacts, size_t bodies) {
     contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
+    contacts->widest = malloc((bodies + 1) * sizeof *contacts->widest);
     contacts->plane = malloc((bodies + 1) * sizeof *contacts->plane);
-    return contacts->spare && contacts->plane ? SCREE_OK : SCREE_NO_MEMORY;
+    return contacts->spare && contacts->widest && contacts->plane ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
 scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
@@ -86,6 +87,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     }
     scree_contacts_free_scratch(contacts);
     free(contacts->spare);
+    free(contacts->widest);
     free(contacts->rule);
     free(contacts->rule_of);
     free(contacts->batch);
@@ -93,6 +95,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     free(contacts->busy);
     scree_memory_free(contacts->listed.memory);
     scree_memory_free(contacts->rough.memory);
+    scree_memory_free(contacts->boxes.memory);
     free(contacts->plane);
     free(contacts->returned);
     scree_memory_free(contacts->moving);

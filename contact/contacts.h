@@ -106,8 +106,8 @@ struct scree_batch {
     int pair_capacity;
     unsigned char keeps[SCREE_MEMORY]; /* which columns there are */
     double *kept[SCREE_MEMORY];
-    struct scree_yield *yield;     /* per block of segment 0 */
-    int blocks;                    /* room for so many */
+    struct scree_yield *yield; /* per block of segment 0 */
+    int blocks;                /* room for so many */
     /* Only of edges on edges: the runs, and of each block the run of its first contact. */
     int runs, run_capacity;
     struct scree_run *run;
@@ -213,8 +213,12 @@ struct scree_contacts {
     double skin;        /* contacts with a gap up to this are in the outer list, m */
     double step;        /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
     double *spare;      /* per body: way that its margin may still take out of its half of the skin, m */
-    long rebuilds;      /* of the outer list */
-    long renewals;      /* of near lists */
+    /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
+    double *widest;
+    struct scree_space boxes;
+    int box_pairs;
+    long rebuilds; /* of the outer list */
+    long renewals; /* of near lists */
     struct scree_tally tally[SCREE_SEGMENTS];
     struct scree_scratch *scratch; /* one for each thread (near.c) */
     int scratches;
@@ -391,8 +395,9 @@ int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch
 /* The order of contacts in a segment; negative: a before b. */
 int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment);
 
-/* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
-double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin);
+/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. What is above it can't touch before
+ * the bodies have gone as much, both together. `overlap`: of the cores of two boxes (scree_cores_overlap). */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way, double overlap);
 
 /* Near lists from the outer list. */
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,

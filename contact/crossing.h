@@ -61,11 +61,19 @@ struct scree_crossing scree_meet_corner(const struct scree_two_boxes *boxes, int
 /* Edge `ea` of a on edge `eb` of b, 0 … 11. */
 struct scree_crossing scree_meet_edges(const struct scree_two_boxes *boxes, int ea, int eb);
 
-/* Distance of two edges, ends included. */
-double scree_edges_apart(const struct scree_two_boxes *boxes, int ea, int eb);
+/* The code of two edges in scree_contact.corner; above 0. */
+static inline int scree_crossing_code(int edge_of_a, int edge_of_b) { return 1 + edge_of_a * SCREE_EDGES + edge_of_b; }
+
+/* The codes of all edges that may touch before the boxes have gone `way`, m, their ways added up; `overlap`: scree_cores_overlap. Returns
+ * how many. */
+int scree_near_edges(const struct scree_two_boxes *boxes, double overlap, double way,
+                     int code[SCREE_EDGES * SCREE_EDGES]);
 
 /* How far the cores are apart, from below; 0 if no axis of theirs separates them. */
 double scree_cores_apart(const struct scree_two_boxes *boxes);
+
+/* How deep the cores are in each other, from above; negative: how far apart. */
+double scree_cores_overlap(const struct scree_two_boxes *boxes);
 
 /* Two boxes with an axis in common along which each has an end within the other, and whose cores are apart across it, meet as two
  * rectangles do, corner on side: then corners bear all that edges could. Which axes to look along first: the common one, of both,

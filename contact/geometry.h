@@ -53,7 +53,7 @@ static inline struct scree_meeting scree_meet_rectangle(struct vec centre, doubl
     double x = fabs(p.x) - half[0], y = fabs(p.y) - half[1]; /* beyond the border where positive */
     if (below || (x <= 0.0 && y <= 0.0))
         return (struct scree_meeting){vec_scale(side, frame->column[2]), below ? SCREE_OUTSIDE : radius - height};
-    struct vec out = vec(copysign(fmax(x, 0.0), p.x), copysign(fmax(y, 0.0), p.y), height > 0.0 ? p.z : 0.0);
+    struct vec out = vec(copysign(x > 0.0 ? x : 0.0, p.x), copysign(y > 0.0 ? y : 0.0, p.y), height > 0.0 ? p.z : 0.0);
     double distance = vec_norm(out);
     if (distance == 0.0) return (struct scree_meeting){vec_scale(side, frame->column[2]), radius};
     return (struct scree_meeting){mat_apply(frame, vec_scale(1.0 / distance, out)), radius - distance};
@@ -84,8 +84,7 @@ static inline struct scree_meeting scree_meet_box(struct vec centre, double radi
                                                   struct vec origin, const struct mat *frame, const double half[3],
                                                   double rounding) {
     struct vec p = mat_undo(frame, vec_sub(centre, origin));
-    struct vec nearest =
-        vec(fmin(fmax(p.x, -half[0]), half[0]), fmin(fmax(p.y, -half[1]), half[1]), fmin(fmax(p.z, -half[2]), half[2]));
+    struct vec nearest = vec(scree_clamp(p.x, half[0]), scree_clamp(p.y, half[1]), scree_clamp(p.z, half[2]));
     struct vec out = vec_sub(p, nearest);
     double distance = vec_norm(out);
     if (distance > 0.0) {

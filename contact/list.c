@@ -16,19 +16,9 @@ static double steps_ahead(const struct scree_contacts *contacts, const struct sc
     return fmax(fmin(sqrt(1.25 * contacts->skin / way), 400.0), 20.0);
 }
 
-/* How far boxes are to move until a corner may touch since they are deeper in each other than their roundings: deep by D, it does so up to
- * 2.3 D beside the other one (cores drawn in by 0.6 D, corners by sqrt(3) times that, roundings as large), and both may change at once. */
-static double gap_once_deep(const struct scree_bodies *bodies, const struct scree_contact *contact, double gap) {
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
-    double clear = scree_cores_apart(&boxes);
-    if (clear >= gap) return gap;
-    double depth =
-        clear > 0.0 ? 0.0 : fmax(scree_cores_depth(boxes.apart, boxes.a, &boxes.b->frame, boxes.b->half), 0.0);
-    return fmax(clear, (gap - 2.3 * depth) / 3.3);
-}
-
-/* The gap between a ball and its partner, as far as lists need it: exact while it is below `skin`. */
-double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double skin) {
+/* The corner of a box may touch another one sooner than its gap tells since they are deeper in each other than their roundings: deep by D,
+ * it does so up to 2.3 D beside it (cores drawn in by 0.6 D, corners by sqrt(3) times that, roundings as large). */
+double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way, double overlap) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
     int slot = scree_kind_of(bodies, contact->host)->slot;
@@ -39,12 +29,12 @@ double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
         return -scree_meet_rectangle(centre, a->radius, whole, origin, &partner->frame, partner->half,
-                                     scree_thickness(a) + skin)
+                                     scree_thickness(a) + way)
                     .overlap;
     case SCREE_BOX: {
         double gap =
             -scree_meet_box(centre, a->radius, whole, origin, &partner->frame, partner->half, b->radius).overlap;
-        return whole.box && gap > skin ? fmin(gap, gap_once_deep(bodies, contact, gap)) : gap;
+        return whole.box && gap > way ? fmin(gap, fmax(-overlap, (gap - 2.3 * overlap) / 3.3)) : gap;
     }
     default:
         return -scree_meet_ball(centre, a->radius, origin, b->radius).overlap;
@@ -118,36 +108,18 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
     segment->outer_count++;
 }
 
-/* The balls of body `ball` that are near body `host`: its corners, or itself. */
+/* The balls of body `ball` that are near body `host`: its corners, or itself; `overlap` of the cores of two boxes. */
 static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int ball, int host, enum pass pass) {
+                       const struct scree_rule *rule, int ball, int host, double overlap, enum pass pass) {
     struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
     int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
     int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
-        if (near || scree_gap(bodies, &contact, contacts->skin) <= contacts->skin) take(bodies, batch, &contact, pass);
+        if (near || scree_gap(bodies, &contact, contacts->skin, overlap) <= contacts->skin)
+            take(bodies, batch, &contact, pass);
     }
-}
-
-/* Edges of two boxes that may touch before the list is made anew. */
-static void take_edges(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int ball, int host, enum pass pass) {
-    struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
-    double clear = scree_cores_apart(&boxes), reach = boxes.rounding_a + boxes.rounding_b + contacts->skin;
-    if (clear > reach) return;
-    if (clear <
-        contacts->skin) { /* deep by D they touch at up to 2.9 D: drawn in by 0.6 D sqrt(2), roundings as large */
-        double depth = scree_cores_depth(boxes.apart, boxes.a, &boxes.b->frame, boxes.b->half);
-        reach += 2.9 * (fmax(depth, -clear) + contacts->skin);
-    }
-    for (int a = 0; a < SCREE_EDGES; a++)
-        for (int b = 0; b < SCREE_EDGES; b++) {
-            struct scree_contact contact = {ball, host, scree_crossing_code(a, b)};
-            if (scree_edges_apart(&boxes, a, b) <= reach) take(bodies, batch, &contact, pass);
-        }
 }
 
 /* Two boxes that are deep in each other, whatever their contacts say of it: the run must not go on as if nothing had happened. */
@@ -161,6 +133,24 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
     contacts->deepest = deep;
     contacts->deepest_ball = bodies->number[i];
     contacts->deepest_host = bodies->number[j];
+}
+
+/* Corners and edges of two boxes that may touch before the list is made anew. */
+static void take_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                       const struct scree_rule *rule, int i, int j, enum pass pass) {
+    struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
+    int swap = bodies->number[i] > bodies->number[j], ball = swap ? j : i, host = swap ? i : j;
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
+    double overlap = scree_cores_overlap(&boxes), roundings = boxes.rounding_a + boxes.rounding_b;
+    if (-overlap > roundings + contacts->skin) return;
+    if (pass == COUNT && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
+    take_balls(contacts, bodies, rule, i, j, overlap, pass);
+    take_balls(contacts, bodies, rule, j, i, overlap, pass);
+    int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, overlap, contacts->skin, code);
+    for (int k = 0; k < count; k++) {
+        struct scree_contact contact = {ball, host, code[k]};
+        take(bodies, batch, &contact, pass);
+    }
 }
 
 /* A ball on one image of another: `periods` off; on the other itself if they are none. */
@@ -201,17 +191,13 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
         int swap = bodies->number[i] > bodies->number[j];
         take_images(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
     } else if (a == SCREE_SPHERE && b == SCREE_SPHERE && bodies->number[i] > bodies->number[j])
-        take_balls(contacts, bodies, rule, j, i, pass); /* who is the ball mustn't depend on the order */
-    else if (a == SCREE_SPHERE)
-        take_balls(contacts, bodies, rule, i, j, pass);
-    else
-        take_balls(contacts, bodies, rule, b == SCREE_SPHERE || a != SCREE_BOX ? j : i,
-                   b == SCREE_SPHERE || a != SCREE_BOX ? i : j, pass);
-    if (a != SCREE_BOX || b != SCREE_BOX) return;
-    if (pass == COUNT) note_depth(contacts, bodies, i, j);
-    take_balls(contacts, bodies, rule, j, i, pass);
-    int swap = bodies->number[i] > bodies->number[j];
-    take_edges(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
+        take_balls(contacts, bodies, rule, j, i, 0.0, pass); /* who is the ball mustn't depend on the order */
+    else if (a == SCREE_BOX && b == SCREE_BOX)
+        take_boxes(contacts, bodies, rule, i, j, pass);
+    else {
+        int second = a != SCREE_SPHERE && (b == SCREE_SPHERE || a != SCREE_BOX);
+        take_balls(contacts, bodies, rule, second ? j : i, second ? i : j, 0.0, pass);
+    }
 }
 
 /* Pairs whose first body is at a place from … to - 1. */
@@ -268,14 +254,61 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
     return status;
 }
 
-/* Give a body a margin out of what is left of its half of the skin: so wide that it lasts for `steps`. 0 if too little is left. */
+/* More than so many bodies have narrow margins. */
+enum { FEW = 256 };
+static int are_many(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    return contacts->step > 0.0 && (bodies->order.slabs > 0 || bodies->count > FEW);
+}
+
+static int is_box(const struct scree_bodies *bodies, int k) {
+    return scree_kind_of(bodies, k)->shape.kind == SCREE_BOX;
+}
+
+/* Keep the pairs of boxes for later margins, where bodies are few. */
+static scree_status note_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                               scree_trouble *trouble) {
+    contacts->box_pairs = 0;
+    if (are_many(contacts, bodies)) return SCREE_OK;
+    scree_status status =
+        scree_make_space(&contacts->boxes, 2 * (size_t)contacts->pairs * sizeof(int) + sizeof(int), trouble);
+    if (status) return status;
+    int *pair = contacts->boxes.memory;
+    for (int i = 0, p = 0; i < bodies->count; i++)
+        for (; p < contacts->end[i]; p++) {
+            if (!is_box(bodies, i) || !is_box(bodies, contacts->partner[p])) continue;
+            pair[2 * contacts->box_pairs] = i;
+            pair[2 * contacts->box_pairs++ + 1] = contacts->partner[p];
+        }
+    return SCREE_OK;
+}
+
+/* Margins where bodies are few: all that there is; but of boxes whose cores are apart only as far as that, for until these meet, corners and
+ * edges that can touch no sooner needn't be near. Not where that lasts too short: a list by far more margins costs more. */
+static void limit_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    double half = 0.5 * contacts->skin;
+    for (int k = 0; k < bodies->count; k++) contacts->widest[k] = half;
+    for (int k = 0; contacts->step > 0.0 && k < contacts->box_pairs; k++) {
+        const int *pair = (const int *)contacts->boxes.memory + 2 * k;
+        int i = pair[0], j = pair[1];
+        struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
+        int alone = bodies->class[i] == SCREE_CLASS_FIXED || bodies->class[j] == SCREE_CLASS_FIXED;
+        double share = (alone ? 1.0 : 0.5) * scree_cores_apart(&boxes);
+        if (share < half / 64.0) continue;
+        contacts->widest[i] = fmin(contacts->widest[i], share);
+        contacts->widest[j] = fmin(contacts->widest[j], share);
+    }
+}
+
+/* Give a body a margin out of what is left of its half of the skin: where bodies are many, so wide that it lasts for `steps`. 0 if too
+ * little is left. */
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
     double speed = vec_norm(vec_from(record->v)) +
                    vec_norm(vec_from(record->w)) * (scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound);
     double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
-    double margin = fmin(fmax(steps * way, least), most);
+    double few = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
+    double margin = are_many(contacts, bodies) ? fmin(fmax(steps * way, least), most) : few;
     margin = fmin(fmax(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
     contacts->spare[k] = spare - margin;
@@ -283,14 +316,18 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
     return 1;
 }
 
-/* Margins after an outer list: narrow ones where bodies are many, all of the skin where they are few. */
+/* Margins after an outer list. */
 static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
-    double half = 0.5 * contacts->skin, steps = bodies->order.slabs ? steps_ahead(contacts, bodies) : 0.0;
+    double half = 0.5 * contacts->skin, steps = 0.0;
+    if (are_many(contacts, bodies))
+        steps = steps_ahead(contacts, bodies);
+    else
+        limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
-        int narrow = bodies->order.slabs > 0, fixed = bodies->class[k] == SCREE_CLASS_FIXED;
-        contacts->spare[k] = narrow ? half : 0.0;
+        int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
+        contacts->spare[k] = half;
         bodies->record[k].path = fixed ? half : 0.0;
-        if (!narrow || fixed || grant(contacts, bodies, k, steps)) continue;
+        if (fixed || grant(contacts, bodies, k, steps)) continue;
         bodies->record[k].path = contacts->spare[k] = 0.0; /* so fast that it takes all at once */
     }
 }
@@ -384,6 +421,8 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     status = make_room(contacts, bodies, trouble);
     if (status) return status;
     take_all(contacts, bodies, threads, FILL);
+    status = note_boxes(contacts, bodies, trouble);
+    if (status) return status;
     grant_all(contacts, bodies);
     for (int k = 0; k < contacts->busy_batches && !status; k++) {
         struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
@@ -397,9 +436,11 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
 
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
-    double half = 0.5 * contacts->skin;
-    if (bodies->order.slabs == 0) return scree_contacts_list(contacts, bodies, threads, trouble);
-    double steps = steps_ahead(contacts, bodies);
+    double half = 0.5 * contacts->skin, steps = 0.0;
+    if (are_many(contacts, bodies))
+        steps = steps_ahead(contacts, bodies);
+    else
+        limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */

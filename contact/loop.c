@@ -366,7 +366,7 @@ static void act_edges(const struct scree_contacts *contacts, const struct scree_
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield) {
     struct block b;
     struct lean lean;
-    yield->silent = !gather_crossings(bodies, batch, first, count, &b, &lean);
+    yield->silent = !gather_crossings(bodies, batch, first, count, step, &b, &lean);
     if (yield->silent) {
         stay_silent(batch, first, count, yield);
         return;

@@ -93,11 +93,6 @@ static inline double scree_snap_energy(double (*stored)(const struct scree_law_c
     return -stored(law, pair, (struct scree_pressing){0.0, 0.0, 0.0, 1.0});
 }
 
-/* The code of two edges in scree_contact.corner; above 0. */
-static inline int scree_crossing_code(int edge_of_ball, int edge_of_host) {
-    return 1 + edge_of_ball * SCREE_EDGES + edge_of_host;
-}
-
 static inline struct scree_two_boxes scree_two_boxes_of(const struct scree_bodies *bodies, int ball, int host) {
     const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
     return (struct scree_two_boxes){scree_attitude_of(bodies, ball),

@@ -120,19 +120,48 @@ static int keeps_something(double *const *column, int columns, int k) {
     return 0;
 }
 
-/* Whether the gap of a contact is at most `left`. Spheres take a short way, edges are all near: runs say what is silent. */
+/* What was seen of the two boxes looked at last: how deep their cores are in each other; of edges the near ones, by rising codes, and the
+ * first of them that hasn't been asked for. */
+struct sight {
+    int ball, host;
+    double overlap;
+    int count, next, code[SCREE_EDGES * SCREE_EDGES];
+};
+
+static void look_at(struct sight *sight, const struct scree_bodies *bodies, const struct scree_contact *contact,
+                    int edges, double left) {
+    if (sight->ball == contact->ball && sight->host == contact->host) return;
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    sight->ball = contact->ball;
+    sight->host = contact->host;
+    sight->overlap = scree_cores_overlap(&boxes);
+    sight->count = edges ? scree_near_edges(&boxes, sight->overlap, left, sight->code) : 0;
+    sight->next = 0;
+}
+
+/* Contacts of two boxes are asked for by rising codes. */
+static int sees_edges(struct sight *sight, const struct scree_bodies *bodies, const struct scree_contact *contact,
+                      double left) {
+    look_at(sight, bodies, contact, 1, left);
+    while (sight->next < sight->count && sight->code[sight->next] < contact->corner) sight->next++;
+    return sight->next < sight->count && sight->code[sight->next] == contact->corner;
+}
+
+/* Whether a contact may touch before its bodies have gone `left`, both together. Spheres take a short way. */
 static inline int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
-                          const struct scree_contact *contact, double left, double skin) {
+                          const struct scree_contact *contact, double left, struct sight *sight) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     if (batch->geometry == SCREE_BALL_BALL && contact->corner == 0) {
         double reach = ball->radius + host->radius + left, x = ball->x[0] - host->x[0], y = ball->x[1] - host->x[1];
         double z = ball->x[2] - host->x[2];
         return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
     }
-    if (batch->geometry == SCREE_EDGE_EDGE) return 1;
+    if (batch->geometry == SCREE_EDGE_EDGE) return sees_edges(sight, bodies, contact, left);
     if (batch->geometry == SCREE_BALL_IMAGE)
         return vec_norm(scree_apart(bodies, contact, SCREE_BALL_IMAGE)) - ball->radius - host->radius <= left;
-    return scree_gap(bodies, contact, skin) <= left;
+    int boxes = batch->geometry == SCREE_BALL_BOX && contact->corner > 0;
+    if (boxes) look_at(sight, bodies, contact, 0, left);
+    return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
 }
 
 /* The new list of a segment into the scratch: what is near enough, and what keeps something. Returns its length. */
@@ -143,13 +172,15 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
     const struct scree_contact *old = batch->contact + segment->first;
     double *column[SCREE_MEMORY + SCREE_PAST], half = 0.5 * contacts->skin;
     int columns = columns_of(batch, column), count = 0, before = 0;
+    struct sight sight;
+    sight.ball = sight.host = -1;
     for (int k = 0; k < segment->outer_count; k++) {
         struct scree_contact one = scree_outer(batch, s, k);
         int order = -1;
         while (before < segment->count && (order = scree_compare_contacts(&old[before], &one, s)) < 0) before++;
         int same = before < segment->count && order == 0;
         double left = (half - bodies->record[one.ball].path) + (half - bodies->record[one.host].path);
-        int near = is_near(bodies, batch, &one, left, contacts->skin);
+        int near = is_near(bodies, batch, &one, left, &sight);
         if (!near && !(same && keeps_something(column, columns, segment->first + before))) continue;
         scratch->contact[count] = one;
         scratch->from[count++] = same ? before : -1;
