@@ -208,7 +208,7 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
     if (pass == COUNT) note_depth(contacts, bodies, i, j);
     take_balls(contacts, bodies, rule, j, i, pass);
     int swap = bodies->number[i] > bodies->number[j];
-    take_edges(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
+    if (!rule->corners) take_edges(contacts, bodies, rule, swap ? j : i, swap ? i : j, pass);
 }
 
 /* Pairs whose first body is at a place from … to - 1. */

@@ -704,7 +704,8 @@ static scree_status keep_impulses(struct scree_scene *scene) {
 static int may_cross(const struct scree_scene *scene, int i, int j) {
     const struct scree_bodies *bodies = &scene->bodies;
     if (bodies->shape[i].kind != SCREE_BOX || bodies->shape[j].kind != SCREE_BOX) return 0;
-    if (!scree_contacts_rule(&scene->contacts, bodies, i, j, NULL)) return 0;
+    const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, NULL);
+    if (!rule || rule->corners) return 0;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
     return !scree_share_axis(&boxes);
 }
@@ -719,7 +720,7 @@ static scree_status refuse_edges(struct scree_scene *scene) {
                 return scree_report(
                     &scene->trouble, SCREE_BAD_INPUT, "integrator",
                     "the integrator \"adaptive\" doesn't know edges on edges, and the boxes \"%s\" and \"%s\" can meet "
-                    "so; take \"verlet\", or let their materials pass through each other (none = true)",
+                    "so; take \"verlet\", or let their materials meet with corners only (corners = true)",
                     scree_name(scene, bodies->number[i]), scree_name(scene, bodies->number[j]));
     return SCREE_OK;
 }

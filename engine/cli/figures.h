@@ -11,6 +11,8 @@ struct figures {
     const char *data;   /* folder of the scenes */
     int plots;          /* gnuplot can be run; cleared when it turns out that it can't */
     int threads;
+    enum process_contact contacts; /* of product and tines */
+    int silent;  /* rows of the report go into the table only */
     int rows, missed;
     FILE *summary; /* table of the report, CSV */
     scree_trouble trouble;
@@ -64,6 +66,8 @@ scree_status suite_domino(struct figures *figures);
 scree_status suite_painleve(struct figures *figures);
 scree_status suite_stick_slip(struct figures *figures);
 scree_status suite_haff(struct figures *figures);
+scree_status suite_tines(struct figures *figures);
+scree_status suite_tines_all(struct figures *figures);
 scree_status suite_silo(struct figures *figures);
 scree_status suite_column(struct figures *figures);
 scree_status suite_heap(struct figures *figures);

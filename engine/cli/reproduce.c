@@ -20,7 +20,7 @@ static const char help[] =
     "if a bound is missed. Without gnuplot data and scripts are written all the same.\n"
     "\n"
     "  --suite NAME the cases of a suite that other codes are judged by, instead of the figures: mfix, chung-ooi,\n"
-    "               classics, bulk (\"all\": each of them, and the figures)\n"
+    "               classics, process, bulk (\"all\": each of them, and the figures)\n"
     "  -o DIR       where to write (default: figures)\n"
     "  --data DIR   folder of the scenes (default: the one this program was built or installed with)\n"
     "  --threads N  simulations at the same time (default: the number of processors)\n"
@@ -70,6 +70,8 @@ static const struct {
     {"classics", "painleve", "Painleve's rod jams", suite_painleve},
     {"classics", "stick-slip", "a mass on a belt sticks and slips", suite_stick_slip},
     {"classics", "haff", "a granular gas cools down", suite_haff},
+    {"process", "tines", "the process model by corner spheres, by boxes and by edges alone", suite_tines},
+    {"process", "tines-all", "the same, all of its figures", suite_tines_all},
     {"bulk", "silo", "a silo empties through a hole", suite_silo},
     {"bulk", "column", "load of a column between walls", suite_column},
     {"bulk", "heap", "angle of repose", suite_heap},
