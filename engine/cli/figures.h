@@ -58,6 +58,7 @@ scree_status suite_rolling(struct figures *figures);
 scree_status suite_cradle(struct figures *figures);
 scree_status suite_stack(struct figures *figures);
 scree_status suite_chain(struct figures *figures);
+scree_status suite_top(struct figures *figures);
 scree_status suite_viscoelastic(struct figures *figures);
 scree_status suite_edge(struct figures *figures);
 scree_status suite_corner(struct figures *figures);

@@ -62,6 +62,7 @@ static const struct {
     {"classics", "cradle", "Newton's cradle", suite_cradle},
     {"classics", "stack", "overlaps in a stack of spheres", suite_stack},
     {"classics", "chain", "solitary wave in a chain of Hertz's contacts", suite_chain},
+    {"classics", "top", "a free top", suite_top},
     {"classics", "viscoelastic", "restitution of Kuwabara and Kono's law over the speed", suite_viscoelastic},
     {"classics", "edge", "a box meets a plane with an edge", suite_edge},
     {"classics", "corner", "a box meets a plane with a corner", suite_corner},
