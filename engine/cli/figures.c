@@ -92,7 +92,9 @@ scree_scene *figures_scene(const struct figures *figures, const char *file, cons
 scree_scene *figures_scene_text(struct figures *figures, const char *text) {
     struct scree_run_request request = {0};
     scree_scene *scene = NULL;
-    scree_read_scene(text, strlen(text), "suite", NULL, 0, 1, &scene, &request, &figures->trouble);
+    const char *verlet = "time.integrator=\"verlet\"";
+    int change = figures->verlet && strstr(text, "\"pair-impulse\"");
+    scree_read_scene(text, strlen(text), "suite", &verlet, change, 1, &scene, &request, &figures->trouble);
     scree_free_request(&request);
     return scene;
 }

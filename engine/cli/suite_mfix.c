@@ -351,7 +351,7 @@ static scree_status strike(struct figures *figures, double degrees, scree_body_s
     double r = 2.5e-3, mu = 0.092, angle = degrees * pi / 180.0, vn = 3.9 * cos(angle), vt = 3.9 * sin(angle);
     char text[1024];
     snprintf(text, sizeof text,
-             "[time]\nend = 1\nspeed = 3.9\nintegrator = \"pair-impulse\"\nsubsteps = 4\n[output]\nwrite = []\n"
+             "[time]\nend = 1\nspeed = 3.9\nintegrator = \"pair-impulse\"\n[output]\nwrite = []\n"
              "[[material]]\nname = \"m\"\ndensity = 4000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
              "normal = { law = \"linear\", stiffness = 1.72e11, damping = 0.0 }\n"
              "friction = { law = \"coulomb\", static = %g, kinetic = %g, stiffness = 1.48e11 }\n"
