@@ -640,8 +640,8 @@ static void write_drum(const void *one, int number, FILE *file) {
                 drum->share[row]);
 }
 
-static const struct peer drum_angle = {31.7212, 0.28, 3}, drum_angle_mixed = {30.0, 0.5, 3},
-                         drum_share = {0.5, 0.05, 3};
+static const struct peer drum_angle = {31.7212, 0.28, 3}, drum_angle_mixed = {31.3715, 0.28, 3},
+                         drum_share = {0.515412, 9e-3, 3};
 
 static const char drum_script[] =
     "set title 'Drum: direction of the centre of mass'\n"
