@@ -157,7 +157,8 @@ static void free_forces(struct forces *f) {
 }
 
 static void read_contact(struct scree_reader *r, const struct scree_toml *table) {
-    static const char *const keys[] = {"between", "normal", "friction", "rolling", "shared_by", "none", "corners", NULL};
+    static const char *const keys[] = {"between",   "normal", "friction", "rolling",
+                                       "shared_by", "none",   "corners",  NULL};
     scree_check_keys(r, table, "[[contact]]", keys);
     scree_contact_def def = {0};
     const struct scree_toml *between = scree_toml_get(table, "between");
