@@ -313,6 +313,7 @@ scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_el
         return scree_report(trouble, SCREE_BAD_INPUT, "shared_by", "shared_by must be a positive count, got %d",
                             def->shared_by);
     rule->share = def->shared_by ? def->shared_by : 1;
+    rule->corners = def->corners != 0;
     if (def->table && (!def->normal.law || strcmp(def->normal.law, "table") != 0))
         return scree_report(trouble, SCREE_BAD_INPUT, "normal", "measured forces go with the law \"table\" only");
     if (def->table) {

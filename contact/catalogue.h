@@ -17,6 +17,7 @@ struct scree_rule {
     int normal;   /* index in scree_normal_laws */
     int friction; /* index in scree_friction_laws, -1 for none */
     int rolling;  /* index in scree_rolling_laws, -1 for none */
+    int corners;  /* no edges on edges */
     double share; /* contacts that share one load */
     struct scree_law_constants normal_constants, friction_constants, rolling_constants;
 };

@@ -34,6 +34,7 @@ typedef struct scree_contact_def {
     const scree_force_table *table; /* of the normal law "table"; copied */
     int shared_by; /* contacts that share one load: stiffness and damping are totals, divided by it; 0 means 1 */
     int none;      /* bodies of these materials pass through each other */
+    int corners;   /* boxes meet each other with their corner spheres alone, not edge on edge */
 } scree_contact_def;
 
 #endif

@@ -146,6 +146,7 @@ static void take_boxes(struct scree_contacts *contacts, const struct scree_bodie
     if (pass == COUNT && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
     take_balls(contacts, bodies, rule, i, j, overlap, pass);
     take_balls(contacts, bodies, rule, j, i, overlap, pass);
+    if (rule->corners) return;
     int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, overlap, contacts->skin, code);
     for (int k = 0; k < count; k++) {
         struct scree_contact contact = {ball, host, code[k]};

@@ -100,7 +100,7 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
             friction ? friction->text.name : "frictionless");
     if (rule->rolling >= 0) fprintf(file, ", rolling %s", scree_rolling_laws[rule->rolling]->text.name);
     if (rule->share > 1.0) fprintf(file, ", stiffness and damping shared by %g contacts", rule->share);
-    fprintf(file, "\n");
+    fprintf(file, "%s\n", rule->corners ? ", boxes by corners only" : "");
     if (friction && !friction->memory && friction->slope(&rule->friction_constants) > 0.0)
         describe_creep(friction, &rule->friction_constants, file);
     describe_impacts(scene, rule, file);

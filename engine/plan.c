@@ -712,7 +712,8 @@ static int may_cross(const struct scree_scene *scene, int i, int j) {
     const struct scree_bodies *bodies = &scene->bodies;
     if (scree_kind_of(bodies, i)->shape.kind != SCREE_BOX || scree_kind_of(bodies, j)->shape.kind != SCREE_BOX)
         return 0;
-    if (!scree_contacts_rule(&scene->contacts, bodies, i, j, NULL)) return 0;
+    const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, NULL);
+    if (!rule || rule->corners) return 0;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);
     return !scree_share_axis(&boxes);
 }
@@ -727,7 +728,7 @@ static scree_status refuse_edges(struct scree_scene *scene) {
                 return scree_report(
                     &scene->trouble, SCREE_BAD_INPUT, "integrator",
                     "the integrator \"adaptive\" doesn't know edges on edges, and the boxes \"%s\" and \"%s\" can meet "
-                    "so; take \"verlet\", or let their materials pass through each other (none = true)",
+                    "so; take \"verlet\", or let their materials meet with corners only (corners = true)",
                     scree_name(scene, bodies->number[i]), scree_name(scene, bodies->number[j]));
     return SCREE_OK;
 }

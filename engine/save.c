@@ -120,6 +120,7 @@ static uint64_t print_contacts(const scree_scene *scene) {
         hash = hash_name(hash, scree_normal_laws[rule->normal]->text.name);
         hash = hash_name(hash, rule->friction >= 0 ? scree_friction_laws[rule->friction]->text.name : "");
         HASH_ON(hash, rule->share);
+        if (rule->corners) HASH_ON(hash, rule->corners);
         HASH_ON(hash, rule->normal_constants.c);
         HASH_ON(hash, rule->friction_constants.c);
         hash = hash_table(hash, rule->normal_constants.table);

@@ -157,7 +157,8 @@ static void free_forces(struct forces *f) {
 }
 
 static void read_contact(struct scree_reader *r, const struct scree_toml *table) {
-    static const char *const keys[] = {"between", "normal", "friction", "rolling", "shared_by", "none", NULL};
+    static const char *const keys[] = {"between",   "normal", "friction", "rolling",
+                                       "shared_by", "none",   "corners",  NULL};
     scree_check_keys(r, table, "[[contact]]", keys);
     scree_contact_def def = {0};
     const struct scree_toml *between = scree_toml_get(table, "between");
@@ -176,6 +177,7 @@ static void read_contact(struct scree_reader *r, const struct scree_toml *table)
                        "shared_by must be a whole number of contacts, at least 1");
     def.shared_by = r->status ? 1 : (int)shared;
     def.none = scree_read_boolean(r, table, "none");
+    def.corners = scree_read_boolean(r, table, "corners");
     struct forces forces = {.speed = NULL};
     if (!r->status && def.normal.law && strcmp(def.normal.law, "table") == 0) {
         read_forces(r, scree_toml_get(table, "normal"), &forces);

@@ -381,6 +381,20 @@ static void test_crossed_faces(void) {
     }
 }
 
+/* A plank across two walls, for which no corner is there to bear it: if boxes are to meet with corners only, it falls freely. */
+static void test_corners_only(void) {
+    const char *corners = "contact.0.corners=true";
+    struct draft *d = begin_draft(0.0, 5e-5, 1e5, sticks);
+    add_box(d, "left", vec(0.02, 0.2, 0.1), 0.004, vec(-0.05, 0.0, 0.05), "joint = \"fixed\"");
+    add_box(d, "right", vec(0.02, 0.2, 0.1), 0.004, vec(0.05, 0.0, 0.05), "joint = \"fixed\"");
+    add_box(d, "upper", vec(0.2, 0.1, 0.02), 0.004, vec(0.0, 0.0, 0.11), "");
+    scree_scene *scene = scene_from(d->text, &corners, 1, 0);
+    go(scene, 400);
+    NEAR(state_of(scene, "upper").position[2], 0.11 - 0.5 * 9.81 * 0.02 * 0.02, 1e-12);
+    scree_scene_destroy(scene);
+    free(d);
+}
+
 /* Bricks that overlap by a corner each: two corners and two crossings. The crossings take over as the brick tilts, so it stands; it
  * tilts by less than what it sinks, 2 m g/k at one corner, over its half width. */
 static void test_offset_bricks(void) {
@@ -587,6 +601,7 @@ int main(void) {
     test_foresight();
     test_lists_leave_no_trace();
     test_crossed_faces();
+    test_corners_only();
     test_offset_bricks();
     test_tower_and_wall();
     test_slopes();

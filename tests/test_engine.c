@@ -425,6 +425,7 @@ static void test_other_scenes(void) {
          "what differs: contacts"},
         {"contact.1.none=true", "what differs: contacts"},
         {"contact.1.shared_by=2", "what differs: contacts"},
+        {"contact.1.corners=true", "what differs: contacts"},
         {"contact.1.normal.law=\"linear\"", "what differs: contacts"},
         {"body.b.joint.turn.hinge=[0, 0, -1]", "what differs: bodies or their joints"},
         {"body.b.mass=3.0", "what differs: bodies or their joints"},

@@ -5,7 +5,7 @@ usage='usage: bulk.sh BUILD FIGURES CASE [SEED]
 
 BUILD    a build folder of scree
 FIGURES  where `scree reproduce heap drum crater -o FIGURES` has written its scenes
-CASE     heap, heap_rolling, drum, crater
+CASE     heap, heap_rolling, drum, drum_mixed, crater
 SEED     of the places (default 1)
 
 example: bench/peers/bulk.sh build figures drum 2'
@@ -19,19 +19,20 @@ cd "$work" || exit 1
 
 # One step of scree: the places are those of the generator.
 step=$(sed -n 's/^step = //p' "$figures/$name.toml")
-"$build/scree" run "$figures/$name.toml" -o start --set "generate.0.seed=$seed" --set "time.end=$step" --set "output.every=$step" \
+[ $name = drum_mixed ] && seeds="--set generate.1.seed=$seed" || seeds=
+"$build/scree" run "$figures/$name.toml" -o start --set "generate.0.seed=$seed" $seeds --set "time.end=$step" --set "output.every=$step" \
     --set 'output.write=["spheres.csv"]' >/dev/null || exit 1
-# Grains are of type 1, the plate, the shell and the ball of type 2. The plate's spheres are fixed, so they are read from the scene.
+# Grains are of type 1 (of M2: 3), the plate, the shell and the ball of type 2. The plate's spheres are fixed, so they are read from the scene.
 {
     sed -n '/^name = "plate/,/^position/p' "$figures/$name.toml" | sed -n 's/^position = \[\(.*\)\]/plate,\1,0.002,0,0,0,0,0,0,m1/p' | tr -d ' '
     tail -n +2 start/spheres.csv | tr -d '"'
 } | awk -F, '
-    { type = $1 ~ /^grain/ ? 1 : 2; rows++
-      atom[rows] = sprintf("%d %d %.17g %d %s %s %s", rows, type, 2 * $5, $1 == "ball" ? 7200 : 2500, $2, $3, $4)
+    { type = $1 ~ /^grain/ ? 1 : $1 ~ /^other/ ? 3 : 2; rows++
+      atom[rows] = sprintf("%d %d %.17g %d %s %s %s", rows, type, 2 * $5, $1 == "ball" ? 7200 : type == 3 ? 2000 : 2500, $2, $3, $4)
       speed[rows] = rows " " $6 " " $7 " " $8 " " $9 " " $10 " " $11 }
     END {
-        print "grains\n\n" rows " atoms\n2 atom types\n\n-0.25 0.25 xlo xhi"
-        print (name ~ /heap/ ? "0 0.024" : name == "drum" ? "0 0.02" : "-0.25 0.25") " ylo yhi\n-0.25 0.25 zlo zhi\n\nAtoms\n"
+        print "grains\n\n" rows " atoms\n" (name ~ /drum/ ? 3 : 2) " atom types\n\n-0.25 0.25 xlo xhi"
+        print (name ~ /heap/ ? "0 0.024" : name ~ /drum/ ? "0 0.02" : "-0.25 0.25") " ylo yhi\n-0.25 0.25 zlo zhi\n\nAtoms\n"
         for (k = 1; k <= rows; k++) print atom[k]
         print "\nVelocities\n"
         for (k = 1; k <= rows; k++) print speed[k]
@@ -40,7 +41,7 @@ case $name in
 heap_rolling) rolling='rolling sds 500 0.02 0.1' ;;
 *) rolling='rolling none' ;;
 esac
-lmp -in "$here/bulk_${name%_rolling}.lammps" -sf none -log none -var data grains.data -var rolling "$rolling" >lammps.log 2>&1 ||
+lmp -in "$here/bulk_${name%_*}.lammps" -sf none -log none -var data grains.data -var rolling "$rolling" >lammps.log 2>&1 ||
     { tail -n 3 lammps.log >&2; exit 1; }
 case $name in
 heap*)
@@ -58,7 +59,11 @@ heap*)
             printf "angle_deg,%.6g\ngrains_left,%d\n", atan2(xy - 6 * sx * sy, xx - 6 * sx * sx) * 57.29577951308232, left
         }' final.dump
     ;;
-drum) awk '!/^#/ && $1 * 4e-5 >= 0.99999 { sum += atan2(-$2, -$3); n++ } END { printf "angle_deg,%.6g\n", sum / n * 57.29577951308232 }' centre.txt ;;
+drum*)
+    awk '!/^#/ && $1 * 4e-5 >= 0.99999 { sum += atan2(-$2, -$3); n++ } END { printf "angle_deg,%.6g\n", sum / n * 57.29577951308232 }' centre.txt
+    [ $name = drum ] ||
+        awk '!/^#/ && $1 * 4e-5 >= 0.99999 && $1 * 4e-5 < 2.49999 { sum += $2 / $3; n++ } END { printf "share_of_m2,%.6g\n", sum / n }' counts.txt
+    ;;
 crater) awk '!/^#/ { last = $2 } END { printf "bottom_m,%.6g\n", last - 0.01 }' ball.txt
     awk '/^ITEM: ATOMS/ { on = 1; next }
         on && $4 == 1 { i = int(($1 / 0.03 + 1) * 3.5); j = int(($2 / 0.03 + 1) * 3.5); if ($3 + 0.002 > top[i, j]) top[i, j] = $3 + 0.002 }

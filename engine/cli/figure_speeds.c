@@ -326,6 +326,7 @@ scree_status figure_forces(struct figures *figures) {
     status = scree_out_keep(&out, &figures->trouble);
     figures_report(figures, "forces", "largest impact speed of the new motion, 125 to 700/min (m/s)", 0.0, impact,
                    5e-3);
-    printf("     the new motion's catch takes at most %.3g of the conventional motion's force\n", relief);
+    if (!figures->silent)
+        printf("     the new motion's catch takes at most %.3g of the conventional motion's force\n", relief);
     return status ? status : figures_plot(figures, "fig_forces", script_forces);
 }

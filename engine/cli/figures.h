@@ -11,6 +11,9 @@ struct figures {
     const char *data;   /* folder of the scenes */
     int plots;          /* gnuplot can be run; cleared when it turns out that it can't */
     int threads;
+    enum process_contact contacts; /* of product and tines */
+    int verlet;                    /* scenes that ask for pair impulses get Verlet's method instead */
+    int silent;                    /* rows of the report go into the table only */
     int rows, missed;
     FILE *summary; /* table of the report, CSV */
     scree_trouble trouble;
@@ -56,14 +59,20 @@ scree_status suite_rolling(struct figures *figures);
 scree_status suite_cradle(struct figures *figures);
 scree_status suite_stack(struct figures *figures);
 scree_status suite_chain(struct figures *figures);
+scree_status suite_top(struct figures *figures);
 scree_status suite_viscoelastic(struct figures *figures);
 scree_status suite_edge(struct figures *figures);
 scree_status suite_corner(struct figures *figures);
 scree_status suite_rocking(struct figures *figures);
 scree_status suite_domino(struct figures *figures);
+scree_status suite_dominoes(struct figures *figures);
+scree_status suite_wall(struct figures *figures);
+scree_status suite_cards(struct figures *figures);
 scree_status suite_painleve(struct figures *figures);
 scree_status suite_stick_slip(struct figures *figures);
 scree_status suite_haff(struct figures *figures);
+scree_status suite_tines(struct figures *figures);
+scree_status suite_tines_all(struct figures *figures);
 scree_status suite_silo(struct figures *figures);
 scree_status suite_column(struct figures *figures);
 scree_status suite_heap(struct figures *figures);

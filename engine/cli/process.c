@@ -143,12 +143,18 @@ static double rounding(const struct process *p) {
     return fmin(0.002, 0.2 * fmin(p->length, fmin(p->depth, p->height)));
 }
 
-/* Tines that stand beside the surfaces, as high as the product needs. */
+/* Tines as high as the product needs: beside the surfaces, or between the corners (through slots of the surfaces, which no corner comes
+ * near). */
 static void change_tine(struct changes *changes, const struct process *p, const char *name, double x, double side) {
-    double corner = 0.5 * p->depth - rounding(p), size = p->height + above + below;
-    change(changes, "body.\"%s\".shape={box=[%.17g,%.17g,%.17g]}", name, tine_length, tine_width, size);
-    change(changes, "body.\"%s\".position=[%.17g,%.17g,%.17g]", name, x,
-           side * (corner - fmin(beyond, 0.1 * corner) + 0.5 * tine_width), 0.5 * size - below);
+    double corner = 0.5 * p->depth - rounding(p), size = p->height + above + below, width = tine_width,
+           inner = corner - fmin(beyond, 0.1 * corner);
+    if (p->contacts == PROCESS_EDGES) {
+        width = fmin(tine_width, 0.5 * corner);
+        inner = 0.25 * corner;
+    }
+    change(changes, "body.\"%s\".shape={box=[%.17g,%.17g,%.17g]}", name, tine_length, width, size);
+    change(changes, "body.\"%s\".position=[%.17g,%.17g,%.17g]", name, x, side * (inner + 0.5 * width),
+           0.5 * size - below);
 }
 
 /* Surfaces that end just beyond the product's corners, and farther along the way than it can slide between tines. */
@@ -182,9 +188,10 @@ static void change_contacts(struct changes *changes, const struct process *p, in
            p->contact[0], p->surface_stiffness, p->static_friction, p->kinetic_friction, p->threshold);
     for (int tines = 1; tines <= 2; tines++)
         change(changes,
-               "contact.%d={between=[\"product\",\"%s tine\"],shared_by=4,%s"
+               "contact.%d={between=[\"product\",\"%s tine\"],shared_by=%d,%s%s"
                "normal={law=\"linear-loading\",stiffness=%.17g,restitution=%.17g}}",
-               p->contact[tines], tines == 1 ? "rear" : "front", tines == 2 && !caught ? "none=true," : "",
+               p->contact[tines], tines == 1 ? "rear" : "front", p->contacts == PROCESS_EDGES ? 8 : 4,
+               tines == 2 && !caught ? "none=true," : "", p->contacts == PROCESS_CORNERS ? "corners=true," : "",
                p->tine_stiffness, p->tine_restitution);
 }
 

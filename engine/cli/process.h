@@ -6,6 +6,10 @@
 #include "engine/scree.h"
 #include "solver/sensitivity.h"
 
+/* How product and tines meet: as boxes, corners and edges; with the product's corner spheres alone; or, the tines standing between the
+ * corners, with edges on edges alone, which bear a face by eight points instead of four. */
+enum process_contact { PROCESS_BOXES, PROCESS_CORNERS, PROCESS_EDGES };
+
 /* What the scene is made from. SI units. */
 struct process {
     char *text, *name; /* of the scene file, owned */
@@ -20,6 +24,7 @@ struct process {
     double surface_stiffness;                            /* of all that carry it, N/m */
     double gravity;                                      /* m/s^2 */
     double step;                                         /* largest step, s */
+    enum process_contact contacts;
 };
 
 /* The scene of a task from the scene file at `path`: the standard product, tines and surfaces, changed where `task` says so.

@@ -1,8 +1,8 @@
 /* Grains by the thousand: discharge of a silo, load of a column between walls, angle of repose, rotating drum, impact on a bed.
  * After the benchmark of Dosta et al., Comput. Phys. Commun. 296 (2024) 109066 (data/reference/dosta2024_parameters.csv), made small: its
- * grains M1 (4 mm, 2500 kg/m^3, Poisson's ratio 0.2, restitution 0.5 and friction 0.3 among each other, 0.4 and 0.2 against walls), but
- * thousands of them instead of 25,000 to 122,000, and 1 MPa instead of 1 GPa (10 MPa for the impact). Rate and shape of a slow flow don't
- * depend on the modulus while overlaps are small: E/(rho g d) is 1e4, which makes 1 % of a diameter under ten layers. */
+ * grains M1 and, in a silo and in a drum, M2 (2500 and 2000 kg/m^3, Poisson's ratio 0.2, restitution and friction by pairs below), of 4 mm,
+ * but thousands of them instead of 25,000 to 122,000, and 1 MPa instead of 1 GPa (10 MPa for the impact). Rate and shape of a slow flow
+ * don't depend on the modulus while overlaps are small: E/(rho g d) is 1e4, which makes 1 % of a diameter under ten layers. */
 #include "engine/cli/figures.h"
 #include "engine/scene_file.h"
 
@@ -10,20 +10,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double gravity = 9.81, pi = 3.14159265358979323846, radius = 2e-3, diameter = 4e-3, density = 2500.0;
+static const double gravity = 9.81, pi = 3.14159265358979323846, radius = 2e-3, diameter = 4e-3,
+                    densities[2] = {2500.0, 2000.0};
 
 /* ---- scenes as text ---- */
 
 /* One run: a scene of its own, so that several go at the same time. */
 struct run {
     char *text; /* of the scene, owned */
+    const char *
+        save_as; /* name under which the scene is written beside the data, so that it can be run, seen and given to other programs; or NULL */
     scree_scene *scene;
     scree_status status;
     scree_trouble trouble;
 };
 
 struct grains {
-    double young;            /* Pa */
+    double young;            /* Pa, of M1; M2 has half of it */
     double rolling;          /* coefficient */
     double step, end, speed; /* s, s, m/s */
     const char *domain;      /* or "" */
@@ -31,7 +34,7 @@ struct grains {
 
 /* Begin a scene. Tangential damping ratios are sqrt(5/6) of the normal ones, as LAMMPS and LIGGGHTS have them. */
 static FILE *begin_scene(struct run *run, size_t *size, const struct grains *g) {
-    *run = (struct run){.text = NULL};
+    *run = (struct run){.save_as = run->save_as};
     FILE *file = open_memstream(&run->text, size);
     if (!file) {
         run->status = scree_report(&run->trouble, SCREE_NO_MEMORY, NULL, "no memory for a scene");
@@ -40,14 +43,24 @@ static FILE *begin_scene(struct run *run, size_t *size, const struct grains *g) 
     fprintf(file,
             "gravity = [0, 0, -9.81]\n[time]\nend = %g\nstep = %g\nspeed = %g\n%s"
             "[[material]]\nname = \"m1\"\ndensity = 2500\nyoung = %g\npoisson = 0.2\n"
+            "[[material]]\nname = \"m2\"\ndensity = 2000\nyoung = %g\npoisson = 0.2\n"
             "[[material]]\nname = \"wall\"\ndensity = 7200\nyoung = %g\npoisson = 0.2\n"
             "[[contact]]\nbetween = [\"wall\", \"wall\"]\nnone = true\n",
-            g->end, g->step, g->speed, g->domain, g->young, g->young);
-    for (int wall = 0; wall < 2; wall++) {
+            g->end, g->step, g->speed, g->domain, g->young, 0.5 * g->young, g->young);
+    static const struct {
+        const char *between;
+        double restitution, friction;
+    } pairs[] = {{"\"m1\", \"m1\"", 0.5, 0.3},
+                 {"\"m2\", \"m2\"", 0.4, 0.4},
+                 {"\"m1\", \"m2\"", 0.45, 0.2},
+                 {"\"m1\", \"wall\"", 0.4, 0.2},
+                 {"\"m2\", \"wall\"", 0.4, 0.2}};
+    for (size_t k = 0; k < sizeof pairs / sizeof pairs[0]; k++) {
+        double lost = log(pairs[k].restitution), damping = -lost / sqrt(pi * pi + lost * lost) * sqrt(5.0 / 6.0);
         fprintf(file,
-                "[[contact]]\nbetween = [\"m1\", \"%s\"]\nnormal = { law = \"tsuji\", restitution = %g }\n"
-                "friction = { law = \"mindlin\", static = %g, kinetic = %g, damping = %g }\n",
-                wall ? "wall" : "m1", wall ? 0.4 : 0.5, wall ? 0.2 : 0.3, wall ? 0.2 : 0.3, wall ? 0.2556 : 0.19668);
+                "[[contact]]\nbetween = [%s]\nnormal = { law = \"tsuji\", restitution = %g }\n"
+                "friction = { law = \"mindlin\", static = %g, kinetic = %g, damping = %.5g }\n",
+                pairs[k].between, pairs[k].restitution, pairs[k].friction, pairs[k].friction, damping);
         if (g->rolling > 0.0)
             fprintf(file, "rolling = { law = \"spring-dashpot\", rolling = %g, stiffness = %g, damping = %g }\n",
                     g->rolling, 0.25 * g->young * radius, 0.02);
@@ -83,12 +96,18 @@ static void put_rectangle(FILE *file, const char *name, const double x[2], const
 }
 
 /* Grains on a lattice, a little off their places. */
-static void put_grains(FILE *file, const double min[3], const double max[3], int count, int seed) {
+struct lattice {
+    const char *name, *material;
+    double min[3], max[3];
+    int count; /* 0: as many as fit */
+};
+
+static void put_grains(FILE *file, const struct lattice *l, int seed) {
     fprintf(file,
-            "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nmaterial = \"m1\"\nradius = %g\nspacing = 4.1e-3\n"
+            "[[generate]]\nname = \"%s\"\nkind = \"lattice\"\nmaterial = \"%s\"\nradius = %g\nspacing = 4.1e-3\n"
             "jitter = 5e-5\nseed = %d\nmin = [%.17g, %.17g, %.17g]\nmax = [%.17g, %.17g, %.17g]\n",
-            radius, seed, min[0], min[1], min[2], max[0], max[1], max[2]);
-    if (count) fprintf(file, "count = %d\n", count);
+            l->name, l->material, radius, seed, l->min[0], l->min[1], l->min[2], l->max[0], l->max[1], l->max[2]);
+    if (l->count) fprintf(file, "count = %d\n", l->count);
 }
 
 /* The scene is whole: make it. The text stays, to be written beside the data. */
@@ -120,30 +139,52 @@ static void end_run(struct run *run) {
     run->text = NULL;
 }
 
-/* Write the scene of a run beside the data, so that it can be run, seen and given to other programs. */
-static void write_scene(const struct figures *figures, struct run *run, const char *name) {
+static scree_status write_scene(struct figures *figures, const struct run *run) {
     struct scree_out out;
     char path[1024];
-    if (run->status) return;
-    snprintf(path, sizeof path, "%s/%s.toml", figures->folder, name);
-    run->status = scree_out_open(&out, path, &run->trouble);
-    if (run->status) return;
+    snprintf(path, sizeof path, "%s/%s.toml", figures->folder, run->save_as);
+    scree_status status = scree_out_open(&out, path, &figures->trouble);
+    if (status) return status;
     fputs(run->text, out.file);
-    run->status = scree_out_keep(&out, &run->trouble);
+    return scree_out_keep(&out, &figures->trouble);
 }
 
-/* The first failure among runs, if any, is that of the suite. */
-static scree_status check_runs(struct figures *figures, const struct run *runs, size_t stride, int count) {
-    for (int k = 0; k < count; k++) {
-        const struct run *run = (const struct run *)((const char *)runs + (size_t)k * stride);
-        if (!run->status) continue;
-        figures->trouble = run->trouble;
-        return run->status;
+/* A case: runs that go at the same time, each in a struct of its own that begins with its struct run. */
+struct bulk_case {
+    const char *name, *header; /* of the table */
+    void *runs;
+    size_t size; /* of one */
+    int count;
+    void (*work)(void *one, int number); /* make and run the scene, measure; sets run.save_as first */
+    void (*write)(const void *one, int number, FILE *file); /* its rows */
+};
+
+static void *run_of(const struct bulk_case *c, int number) { return (char *)c->runs + (size_t)number * c->size; }
+
+/* Make the runs, the table, and the scenes that are to be kept; the first failure among runs is that of the case. */
+static scree_status run_case(struct figures *figures, const struct bulk_case *c) {
+    memset(c->runs, 0, (size_t)c->count * c->size);
+#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
+    for (int k = 0; k < c->count; k++) c->work(run_of(c, k), k);
+    scree_status status = SCREE_OK;
+    struct scree_out out = {0};
+    for (int k = 0; k < c->count && !status; k++) {
+        const struct run *run = run_of(c, k);
+        status = run->status;
+        if (status)
+            figures->trouble = run->trouble;
+        else if (run->save_as)
+            status = write_scene(figures, run);
     }
-    return SCREE_OK;
+    if (!status) status = figures_table(figures, c->name, c->header, &out);
+    for (int k = 0; k < c->count; k++) {
+        if (!status) c->write(run_of(c, k), k, out.file);
+        end_run(run_of(c, k));
+    }
+    return status ? status : scree_out_keep(&out, &figures->trouble);
 }
 
-static double grain_mass(void) { return 4.0 / 3.0 * pi * radius * radius * radius * density; }
+static double grain_mass(double density) { return 4.0 / 3.0 * pi * radius * radius * radius * density; }
 
 /* What LAMMPS makes of the same scenes, by bench/peers/bulk.sh (data/reference/bulk_lammps.csv), and what may lie between two means of
  * runs from other places of the grains: three times its standard error. */
@@ -160,12 +201,13 @@ static void report_beside(struct figures *figures, const char *figure, const cha
 
 /* ---- a silo empties through a hole in its floor ---- */
 
-enum { SILO_RUNS = 3, SILO_ROWS = 300 };
+enum { SILO_RUNS = 4, SILO_ROWS = 300 };
 
 static const double silo_half = 28e-3, silo_opens = 0.25;
 
 struct silo {
     struct run run;
+    int second;               /* grains of M2 */
     double hole;              /* edge, m */
     double bulk;              /* density of the bed before, kg/m^3 */
     double rate;              /* kg/s */
@@ -189,18 +231,18 @@ static void make_silo(struct silo *silo, int seed) {
     put_rectangle(file, "floor 3", (double[]){-b, h}, (double[]){-b, -h}, "\"fixed\"");
     put_rectangle(file, "floor 4", (double[]){-b, -h}, (double[]){-h, b}, "\"fixed\"");
     put_rectangle(file, "plug", (double[]){-h, h}, (double[]){-h, h}, "{ z = \"away\", others = \"fixed\" }");
-    put_grains(file, (double[]){-b, -b, 0.0}, (double[]){b, b, 0.2}, 4000, seed);
+    put_grains(file, &(struct lattice){"grain", silo->second ? "m2" : "m1", {-b, -b, 0.0}, {b, b, 0.2}, 4000}, seed);
     end_scene(&silo->run, file, &size);
 }
 
 /* Mass over volume between 4 and 14 diameters above the floor. */
-static double bulk_density(const scree_scene *scene, double area) {
+static double bulk_density(const scree_scene *scene, double area, double density) {
     int inside = 0;
     for (int k = first_grain(scene); k < scree_scene_bodies(scene); k++) {
         double z = scree_scene_body(scene, k).position[2];
         inside += z > 4.0 * diameter && z < 14.0 * diameter;
     }
-    return inside * grain_mass() / (area * 10.0 * diameter);
+    return inside * grain_mass(density) / (area * 10.0 * diameter);
 }
 
 static int grains_below(const scree_scene *scene, double level) {
@@ -218,24 +260,35 @@ static double time_of(const struct silo *silo, int wanted) {
     return NAN;
 }
 
-/* From 250 to 950 of 4000 grains out: the bed is nearly as high as wide, or higher, all the while. */
-static void empty_silo(struct silo *silo, int seed) {
+/* Holes of 5.5, 6.25 and 7 diameters; the second once more with M2. From 250 to 950 of 4000 grains out: the bed is nearly as high as wide, or
+ * higher, all the while. */
+static void empty_silo(void *one, int number) {
     static const int from = 250, to = 950;
-    make_silo(silo, seed);
-    if (go_until(&silo->run, silo_opens)) silo->bulk = bulk_density(silo->run.scene, 4.0 * silo_half * silo_half);
+    struct silo *silo = one;
+    silo->second = number == 3;
+    silo->hole = (5.5 + 0.75 * (number == 3 ? 1 : number)) * diameter;
+    silo->run.save_as = number == 1 ? "silo" : number == 3 ? "silo_m2" : NULL;
+    make_silo(silo, number + 1);
+    if (go_until(&silo->run, silo_opens))
+        silo->bulk = bulk_density(silo->run.scene, 4.0 * silo_half * silo_half, densities[silo->second]);
     for (int row = 0; row < SILO_ROWS && go_until(&silo->run, silo_opens + 0.01 * row); row++) {
         silo->out[row] = grains_below(silo->run.scene, -radius);
         silo->rows = row + 1;
         if (silo->out[row] >= to) break;
     }
-    silo->rate = (to - from) * grain_mass() / (time_of(silo, to) - time_of(silo, from));
+    silo->rate = (to - from) * grain_mass(densities[silo->second]) / (time_of(silo, to) - time_of(silo, from));
+}
+
+static void write_silo(const void *one, int number, FILE *file) {
+    const struct silo *silo = one;
+    for (int row = 0; row < silo->rows; row++)
+        fprintf(file, "%d,%g,%.17g,%d\n", number + 1, silo->hole / diameter, 0.01 * row, silo->out[row]);
 }
 
 static const char silo_script[] = "set title 'Discharge of a silo through a square hole'\n"
                                   "set xlabel 'time since the opening (s)'\nset ylabel 'grains out'\nset key top left\n"
-                                  "hole(k) = 5.5 + 0.75*k\n"
-                                  "plot for [k=0:2] 'silo.csv' using 2:($1==hole(k) ? $3 : NaN) with lines ls k+1 "
-                                  "title sprintf('%g diameters', hole(k))\n";
+                                  "plot for [k=1:4] 'silo.csv' using 3:($1==k ? $4 : NaN) with lines ls k "
+                                  "title word('5.5d 6.25d 7d 6.25d,M2', k)\n";
 
 /* Beverloo, Leniger & van de Velde, Chem. Eng. Sci. 15 (1961) 260: W = C rho sqrt(g) (D - k d)^2.5; for a square hole (Nedderman,
  * Statics and Kinematics of Granular Materials, 1992, ch. 10: area and hydraulic diameter of what is left without a margin of k d/2)
@@ -248,24 +301,12 @@ static double beverloo(double bulk, double edge) {
 
 scree_status suite_silo(struct figures *figures) {
     static struct silo silos[SILO_RUNS];
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < SILO_RUNS; k++) {
-        silos[k] = (struct silo){.hole = (5.5 + 0.75 * k) * diameter};
-        empty_silo(&silos[k], k + 1);
-        if (k == 1) write_scene(figures, &silos[k].run, "silo");
-    }
-    scree_status status = check_runs(figures, &silos[0].run, sizeof silos[0], SILO_RUNS);
-    struct scree_out out = {0};
-    if (!status) status = figures_table(figures, "silo", "hole_diameters,time_s,grains_out", &out);
-    for (int k = 0; k < SILO_RUNS; k++) {
-        for (int row = 0; row < silos[k].rows && !status; row++)
-            fprintf(out.file, "%g,%.17g,%d\n", 5.5 + 0.75 * k, 0.01 * row, silos[k].out[row]);
-        end_run(&silos[k].run);
-    }
-    if (!status) status = scree_out_keep(&out, &figures->trouble);
+    scree_status status = run_case(figures, &(struct bulk_case){"silo", "run,hole_diameters,time_s,grains_out", silos,
+                                                                sizeof silos[0], SILO_RUNS, empty_silo, write_silo});
     for (int k = 0; k < SILO_RUNS && !status; k++) {
         char quantity[80];
-        snprintf(quantity, sizeof quantity, "rate through a hole of %g d, against Beverloo (kg/s)", 5.5 + 0.75 * k);
+        snprintf(quantity, sizeof quantity, "rate through a hole of %g d%s, against Beverloo (kg/s)",
+                 silos[k].hole / diameter, silos[k].second ? ", M2" : "");
         figures_report(figures, "silo", quantity, beverloo(silos[k].bulk, silos[k].hole), silos[k].rate, 0.1);
     }
     return status ? status : figures_plot(figures, "silo", silo_script);
@@ -295,8 +336,10 @@ static void make_column(struct column *column, int seed) {
     fprintf(file, "[[motion]]\nname = \"up\"\nkind = \"velocity\"\nvelocity = 0.02\nstart = %g\n", column_moves);
     put_box(file, column_half, "{ z = \"up\", others = \"fixed\" }");
     put_plane(file, "base", 2, 0.0, 1, "\"fixed\"");
-    put_grains(file, (double[]){-column_half, -column_half, 0.0}, (double[]){column_half, column_half, 0.2}, 2200,
-               seed);
+    put_grains(
+        file,
+        &(struct lattice){"grain", "m1", {-column_half, -column_half, 0.0}, {column_half, column_half, 0.2}, 2200},
+        seed);
     end_scene(&column->run, file, &size);
 }
 
@@ -323,16 +366,29 @@ static void sample_column(struct column *column) {
         column->hold[bin] += c->friction[2] / COLUMN_SAMPLES;
     }
     for (int k = first_grain(scene); k < scree_scene_bodies(scene); k++)
-        column->load[bin_of(scree_scene_body(scene, k).position[2])] += grain_mass() * gravity / COLUMN_SAMPLES;
+        column->load[bin_of(scree_scene_body(scene, k).position[2])] +=
+            grain_mass(densities[0]) * gravity / COLUMN_SAMPLES;
     free(contacts);
 }
 
-static void load_column(struct column *column, int seed) {
-    make_column(column, seed);
-    column->weight = 2200 * grain_mass() * gravity;
+static void load_column(void *one, int number) {
+    struct column *column = one;
+    column->run.save_as = number == 0 ? "column" : NULL;
+    make_column(column, number + 1);
+    column->weight = 2200 * grain_mass(densities[0]) * gravity;
     for (int k = 1; k <= COLUMN_SAMPLES; k++) {
         double share = 0.5 + 0.5 * k / COLUMN_SAMPLES; /* the second half of the walls' way */
         if (go_until(&column->run, column_moves + share * (column_end - column_moves))) sample_column(column);
+    }
+}
+
+static void write_column(const void *one, int number, FILE *file) {
+    const struct column *c = one;
+    double above = 0.0;
+    for (int bin = COLUMN_BINS - 1; bin >= 0; bin--) {
+        above += c->load[bin] - c->hold[bin];
+        fprintf(file, "%d,%.17g,%.17g,%.17g,%.17g,%.17g\n", number + 1, column_bin * bin, c->load[bin], c->press[bin],
+                c->hold[bin], above);
     }
 }
 
@@ -362,34 +418,19 @@ static const char column_script[] =
  * along the wall roll as well as slide. What is tested is that both are the same all the way down; 10 %, as codes agree in this. */
 scree_status suite_column(struct figures *figures) {
     static struct column columns[COLUMN_RUNS];
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < COLUMN_RUNS; k++) {
-        columns[k] = (struct column){.weight = 0.0};
-        load_column(&columns[k], k + 1);
-        if (k == 0) write_scene(figures, &columns[k].run, "column");
-    }
-    scree_status status = check_runs(figures, &columns[0].run, sizeof columns[0], COLUMN_RUNS);
-    struct scree_out out = {0};
-    if (!status)
-        status =
-            figures_table(figures, "column", "run,height_m,weight_N,wall_normal_N,wall_friction_N,load_below_N", &out);
+    scree_status status = run_case(
+        figures, &(struct bulk_case){"column", "run,height_m,weight_N,wall_normal_N,wall_friction_N,load_below_N",
+                                     columns, sizeof columns[0], COLUMN_RUNS, load_column, write_column});
     double base = 0.0, law = 0.0, balance = 0.0;
-    for (int k = 0; k < COLUMN_RUNS && !status; k++) {
-        struct column *c = &columns[k];
+    if (status) return status;
+    for (int k = 0; k < COLUMN_RUNS; k++) {
+        const struct column *c = &columns[k];
         double height, ratio = janssen_ratio(c, &height), mu = c->friction / c->normal;
-        double length = 2.0 * column_half / (4.0 * mu * ratio), above = 0.0;
+        double length = 2.0 * column_half / (4.0 * mu * ratio);
         base += c->base / c->weight / COLUMN_RUNS;
         law += length / height * (1.0 - exp(-height / length)) / COLUMN_RUNS;
         balance += (c->base + c->friction) / c->weight / COLUMN_RUNS;
-        for (int bin = COLUMN_BINS - 1; bin >= 0; bin--) {
-            above += c->load[bin] - c->hold[bin];
-            fprintf(out.file, "%d,%.17g,%.17g,%.17g,%.17g,%.17g\n", k + 1, column_bin * bin, c->load[bin],
-                    c->press[bin], c->hold[bin], above);
-        }
     }
-    if (!status) status = scree_out_keep(&out, &figures->trouble);
-    for (int k = 0; k < COLUMN_RUNS; k++) end_run(&columns[k].run);
-    if (status) return status;
     /* Means of 25 instants, in which the grains still move. */
     figures_report(figures, "column", "base and walls bear, over the weight", 1.0, balance, 0.01);
     figures_report(figures, "column", "load of the base over the weight, against Janssen", law, base, 0.1);
@@ -433,7 +474,8 @@ static void make_heap(struct heap *heap, double rolling, int seed) {
                 "position = [%.17g, %.17g, %.17g]\n",
                 k + 1, -heap_half + radius + diameter * (k % 32), radius + diameter * (k / 32),
                 -radius + 1e-3 * ((k * 37 % 11) / 5.0 - 1.0));
-    put_grains(file, (double[]){-heap_half, 0.0, 1e-3}, (double[]){heap_half, heap_depth, 0.2}, 2100, seed);
+    put_grains(file, &(struct lattice){"grain", "m1", {-heap_half, 0.0, 1e-3}, {heap_half, heap_depth, 0.2}, 2100},
+               seed);
     end_scene(&heap->run, file, &size);
 }
 
@@ -468,6 +510,21 @@ static void measure_heap(struct heap *heap) {
     heap->angle = atan(slope / square);
 }
 
+static void run_heap(void *one, int number) {
+    struct heap *heap = one;
+    int rolls = number >= HEAP_SEEDS, seed = number % HEAP_SEEDS + 1;
+    heap->run.save_as = seed > 1 ? NULL : rolls ? "heap_rolling" : "heap";
+    make_heap(heap, rolls ? 0.1 : 0.0, seed);
+    if (go_until(&heap->run, heap_end)) measure_heap(heap);
+}
+
+static void write_heap(const void *one, int number, FILE *file) {
+    const struct heap *heap = one;
+    for (int bin = 0; bin < HEAP_BINS; bin++)
+        fprintf(file, "%d,%.17g,%.17g\n", number + 1, heap_half * ((2.0 * bin + 1.0) / HEAP_BINS - 1.0),
+                heap->height[bin]);
+}
+
 /* Heaps this small differ: by 1.4 degrees without rolling friction, by 2.8 with it, the grains left by 30 and 25. */
 static const struct peer heap_angle[2] = {{24.9415, 1.4, 3}, {28.8406, 2.8, 3}},
                          heap_left[2] = {{1127.3, 30.0, 3}, {1233.7, 25.0, 3}};
@@ -480,26 +537,13 @@ static const char heap_script[] =
 
 scree_status suite_heap(struct figures *figures) {
     static struct heap heaps[HEAP_RUNS];
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < HEAP_RUNS; k++) {
-        heaps[k] = (struct heap){.angle = 0.0};
-        make_heap(&heaps[k], k < HEAP_SEEDS ? 0.0 : 0.1, k % HEAP_SEEDS + 1);
-        if (k % HEAP_SEEDS == 0) write_scene(figures, &heaps[k].run, k ? "heap_rolling" : "heap");
-        if (go_until(&heaps[k].run, heap_end)) measure_heap(&heaps[k]);
-    }
-    scree_status status = check_runs(figures, &heaps[0].run, sizeof heaps[0], HEAP_RUNS);
-    struct scree_out out = {0};
+    scree_status status = run_case(figures, &(struct bulk_case){"heap", "run,x_m,height_m", heaps, sizeof heaps[0],
+                                                                HEAP_RUNS, run_heap, write_heap});
     double angle[2] = {0.0}, left[2] = {0.0};
-    if (!status) status = figures_table(figures, "heap", "run,x_m,height_m", &out);
     for (int k = 0; k < HEAP_RUNS; k++) {
         angle[k / HEAP_SEEDS] += heaps[k].angle * 180.0 / pi / HEAP_SEEDS;
         left[k / HEAP_SEEDS] += (double)heaps[k].left / HEAP_SEEDS;
-        for (int bin = 0; bin < HEAP_BINS && !status; bin++)
-            fprintf(out.file, "%d,%.17g,%.17g\n", k + 1, heap_half * ((2.0 * bin + 1.0) / HEAP_BINS - 1.0),
-                    heaps[k].height[bin]);
-        end_run(&heaps[k].run);
     }
-    if (!status) status = scree_out_keep(&out, &figures->trouble);
     for (int rolls = 0; rolls < 2 && !status; rolls++) {
         report_beside(figures, "heap", rolls ? "angle, rolling friction 0.1 (degrees)" : "angle (degrees)",
                       &heap_angle[rolls], angle[rolls], HEAP_SEEDS);
@@ -511,13 +555,15 @@ scree_status suite_heap(struct figures *figures) {
 
 /* ---- a drum turns ---- */
 
-enum { DRUM_RUNS = 2, DRUM_ROWS = 200, DRUM_AROUND = 72, DRUM_ACROSS = 5 };
+enum { DRUM_SEEDS = 2, DRUM_RUNS = 2 * DRUM_SEEDS, DRUM_ROWS = 200, DRUM_AROUND = 72, DRUM_ACROSS = 5 };
 
 static const double drum_radius = 52e-3, drum_turn = 2.8, drum_from = 1.0, drum_end = 2.5; /* m, rad/s, s */
 
 struct drum {
     struct run run;
-    double angle[DRUM_ROWS], mean; /* of the centre of mass from the plumb line, every 10 ms, rad */
+    int mixed;                      /* the right half of the grains is of M2 */
+    double angle[DRUM_ROWS], mean;  /* of the centre of mass from the plumb line, every 10 ms, rad */
+    double share[DRUM_ROWS], other; /* of M2 among the grains in the lower right quadrant */
     int rows;
 };
 
@@ -547,54 +593,74 @@ static void make_drum(struct drum *drum, int seed) {
                 "joint = { x = \"x%d\", z = \"z%d\", y = \"fixed\", turn = { axis = [0, 1, 0], motion = \"turn\" } }\n",
                 k + 1, radius + diameter * (k / DRUM_AROUND), at, at);
     }
-    put_grains(file, (double[]){-34e-3, 0.0, -34e-3}, (double[]){34e-3, 20e-3, 34e-3}, 0, seed);
+    put_grains(file,
+               &(struct lattice){"grain", "m1", {-34e-3, 0.0, -34e-3}, {drum->mixed ? 0.0 : 34e-3, 20e-3, 34e-3}, 0},
+               seed);
+    if (drum->mixed)
+        put_grains(file, &(struct lattice){"other", "m2", {0.0, 0.0, -34e-3}, {34e-3, 20e-3, 34e-3}, 0}, seed);
     end_scene(&drum->run, file, &size);
 }
 
-static void turn_drum(struct drum *drum, int seed) {
+/* Centre of mass of the grains, and the share of M2 among those with x > 0 and z < 0, as Dosta et al. count them. */
+static void look_into_drum(struct drum *drum, double *angle, double *share) {
+    const scree_scene *scene = drum->run.scene;
+    int first = first_grain(scene), other = scree_scene_find_body(scene, "other 1"), all = 0, m2 = 0;
+    double x = 0.0, z = 0.0;
+    for (int k = first; k < scree_scene_bodies(scene); k++) {
+        scree_body_state grain = scree_scene_body(scene, k);
+        int second = other >= 0 && k >= other;
+        x += grain.position[0] * densities[second];
+        z += grain.position[2] * densities[second];
+        if (grain.position[0] <= 0.0 || grain.position[2] >= 0.0) continue;
+        all++;
+        m2 += second;
+    }
+    *angle = atan2(-x, -z);
+    *share = all ? (double)m2 / all : 0.0;
+}
+
+static void turn_drum(void *one, int number) {
+    struct drum *drum = one;
+    int last = (int)lround((drum_end - drum_from) / 0.01), seed = number % DRUM_SEEDS + 1;
+    drum->mixed = number >= DRUM_SEEDS;
+    drum->run.save_as = seed > 1 ? NULL : drum->mixed ? "drum_mixed" : "drum";
     make_drum(drum, seed);
-    int last = (int)lround((drum_end - drum_from) / 0.01);
     for (int row = 0; row < last && row < DRUM_ROWS && go_until(&drum->run, drum_from + 0.01 * row); row++) {
-        double x = 0.0, z = 0.0;
-        for (int k = first_grain(drum->run.scene); k < scree_scene_bodies(drum->run.scene); k++) {
-            scree_body_state grain = scree_scene_body(drum->run.scene, k);
-            x += grain.position[0];
-            z += grain.position[2];
-        }
-        drum->angle[row] = atan2(-x, -z);
+        look_into_drum(drum, &drum->angle[row], &drum->share[row]);
         drum->mean += drum->angle[row] / last;
+        drum->other += drum->share[row] / last;
         drum->rows = row + 1;
     }
 }
 
-static const struct peer drum_angle = {31.7212, 0.28, 3};
+static void write_drum(const void *one, int number, FILE *file) {
+    const struct drum *drum = one;
+    for (int row = 0; row < drum->rows; row++)
+        fprintf(file, "%d,%.17g,%.17g,%.17g\n", number + 1, drum_from + 0.01 * row, drum->angle[row] * 180.0 / pi,
+                drum->share[row]);
+}
+
+static const struct peer drum_angle = {31.7212, 0.28, 3}, drum_angle_mixed = {31.3715, 0.28, 3},
+                         drum_share = {0.515412, 9e-3, 3};
 
 static const char drum_script[] =
     "set title 'Drum: direction of the centre of mass'\n"
     "set xlabel 'time (s)'\nset ylabel 'angle from the plumb line (degrees)'\n"
-    "plot for [k=1:2] 'drum.csv' using ($1==k ? $2 : NaN):3 with lines ls k title sprintf('run %d', k)\n";
+    "plot for [k=1:4] 'drum.csv' using ($1==k ? $2 : NaN):3 with lines ls k title sprintf('run %d', k)\n";
 
 scree_status suite_drum(struct figures *figures) {
     static struct drum drums[DRUM_RUNS];
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < DRUM_RUNS; k++) {
-        drums[k] = (struct drum){.mean = 0.0};
-        turn_drum(&drums[k], k + 1);
-        if (k == 0) write_scene(figures, &drums[k].run, "drum");
-    }
-    scree_status status = check_runs(figures, &drums[0].run, sizeof drums[0], DRUM_RUNS);
-    struct scree_out out = {0};
-    double mean = 0.0;
-    if (!status) status = figures_table(figures, "drum", "run,time_s,angle_deg", &out);
-    for (int k = 0; k < DRUM_RUNS; k++) {
-        mean += drums[k].mean * 180.0 / pi / DRUM_RUNS;
-        for (int row = 0; row < drums[k].rows && !status; row++)
-            fprintf(out.file, "%d,%.17g,%.17g\n", k + 1, drum_from + 0.01 * row, drums[k].angle[row] * 180.0 / pi);
-        end_run(&drums[k].run);
-    }
-    if (!status) status = scree_out_keep(&out, &figures->trouble);
+    scree_status status = run_case(figures, &(struct bulk_case){"drum", "run,time_s,angle_deg,share_of_m2", drums,
+                                                                sizeof drums[0], DRUM_RUNS, turn_drum, write_drum});
+    double mean[2] = {0.0}, other = 0.0;
     if (status) return status;
-    report_beside(figures, "drum", "dynamic angle, 1 to 2.5 s (degrees)", &drum_angle, mean, DRUM_RUNS);
+    for (int k = 0; k < DRUM_RUNS; k++) {
+        mean[drums[k].mixed] += drums[k].mean * 180.0 / pi / DRUM_SEEDS;
+        other += drums[k].other / DRUM_SEEDS;
+    }
+    report_beside(figures, "drum", "dynamic angle, 1 to 2.5 s (degrees)", &drum_angle, mean[0], DRUM_SEEDS);
+    report_beside(figures, "drum", "the same, half of M2", &drum_angle_mixed, mean[1], DRUM_SEEDS);
+    report_beside(figures, "drum", "share of M2 in the lower right quadrant", &drum_share, other, DRUM_SEEDS);
     return figures_plot(figures, "drum", drum_script);
 }
 
@@ -623,8 +689,10 @@ static void make_crater(struct crater *crater, int seed) {
             "[[body]]\nname = \"ball\"\nshape = { sphere = %g }\nmaterial = \"wall\"\nposition = [0, 0, 0.1]\n"
             "velocity = [0, 0, 1.35]\n",
             crater_ball);
-    put_grains(file, (double[]){-crater_half, -crater_half, 0.0}, (double[]){crater_half, crater_half, 0.1}, 3300,
-               seed);
+    put_grains(
+        file,
+        &(struct lattice){"grain", "m1", {-crater_half, -crater_half, 0.0}, {crater_half, crater_half, 0.1}, 3300},
+        seed);
     end_scene(&crater->run, file, &size);
 }
 
@@ -643,14 +711,22 @@ static double surface_of(const scree_scene *scene) {
     return sum / (SQUARES * SQUARES);
 }
 
-static void fall_on_bed(struct crater *crater, int seed) {
-    make_crater(crater, seed);
+static void fall_on_bed(void *one, int number) {
+    struct crater *crater = one;
+    crater->run.save_as = number == 0 ? "crater" : NULL;
+    make_crater(crater, number + 1);
     int ball = crater->run.status ? 0 : scree_scene_find_body(crater->run.scene, "ball");
     for (int row = 0; row < CRATER_ROWS && go_until(&crater->run, crater_from + 0.005 * row); row++) {
         if (row == 0) crater->surface = surface_of(crater->run.scene);
         crater->height[row] = scree_scene_body(crater->run.scene, ball).position[2] - crater_ball;
         crater->rows = row + 1;
     }
+}
+
+static void write_crater(const void *one, int number, FILE *file) {
+    const struct crater *c = one;
+    for (int row = 0; row < c->rows; row++)
+        fprintf(file, "%d,%.17g,%.17g\n", number + 1, crater_from + 0.005 * row, c->surface - c->height[row]);
 }
 
 /* From places to places the depth differs by 1.8 mm. */
@@ -663,25 +739,13 @@ static const char crater_script[] =
 
 scree_status suite_crater(struct figures *figures) {
     static struct crater craters[CRATER_RUNS];
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < CRATER_RUNS; k++) {
-        craters[k] = (struct crater){.surface = 0.0};
-        fall_on_bed(&craters[k], k + 1);
-        if (k == 0) write_scene(figures, &craters[k].run, "crater");
-    }
-    scree_status status = check_runs(figures, &craters[0].run, sizeof craters[0], CRATER_RUNS);
-    struct scree_out out = {0};
+    scree_status status =
+        run_case(figures, &(struct bulk_case){"crater", "run,time_s,depth_m", craters, sizeof craters[0], CRATER_RUNS,
+                                              fall_on_bed, write_crater});
     double depth = 0.0;
-    if (!status) status = figures_table(figures, "crater", "run,time_s,depth_m", &out);
-    for (int k = 0; k < CRATER_RUNS; k++) {
-        const struct crater *c = &craters[k];
-        for (int row = 0; row < c->rows && !status; row++)
-            fprintf(out.file, "%d,%.17g,%.17g\n", k + 1, crater_from + 0.005 * row, c->surface - c->height[row]);
-        if (c->rows) depth += (c->surface - c->height[c->rows - 1]) / CRATER_RUNS;
-        end_run(&craters[k].run);
-    }
-    if (!status) status = scree_out_keep(&out, &figures->trouble);
     if (status) return status;
+    for (int k = 0; k < CRATER_RUNS; k++)
+        depth += (craters[k].surface - craters[k].height[craters[k].rows - 1]) / CRATER_RUNS;
     report_beside(figures, "crater", "depth at which the ball stays (m)", &crater_depth, depth, CRATER_RUNS);
     return figures_plot(figures, "crater", crater_script);
 }
