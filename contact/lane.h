@@ -38,6 +38,8 @@ struct motion {
         [SCREE_LANES]; /* sum of the levers there over the moments of inertia, 1/(kg m); of 1 over these, 1/(kg m^2) */
     double rate[SCREE_LANES]; /* of damping, 1/s */
     double grid[SCREE_LANES]; /* longest step of Runge-Kutta, s */
+    double pushes
+        [2][SCREE_LANES]; /* of laws that are cut: force after a free flight, N, and what closing adds to it, N s^2/m */
     double pair[SCREE_PAIR_LEVER][SCREE_LANES];
 };
 
@@ -390,7 +392,8 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
 /* ---- before the step ---- */
 
 /* The rate at which the contact damps at its start, and the steps that Runge and Kutta's method needs for its stiffness: a quarter of
- * 1/w at most, with which a contact errs by 1e-5 of its speed. `asked` > 0: so many times as many. */
+ * 1/w at most, with which a contact errs by 1e-5 of its speed. `asked` > 0: so many times as many. Odd are contacts that
+ * overlap still after their end. */
 static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, double step,
                                    int asked, int k, struct course *c, struct motion *m) {
     struct smooth_lane lane = lane_of(rule, m, k);
@@ -412,7 +415,16 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
     double steps = 4.0 * step * sqrt(stiff);
     steps = steps < 63.0 ? steps : 63.0; /* NaN too */
     m->grid[k] = step / ((1 + (int)steps) * (asked > 0 ? asked : 1));
-    c->odd[k] = laws.cut && c->d[k] > 0.0 && !(force > 0.0) ? 1.0 : 0.0; /* overlapping still after its end */
+    c->odd[k] = 0.0;
+    m->pushes[0][k] = m->pushes[1][k] = 0.0;
+    if (!laws.cut) return;
+    double later = d + step * u, deeper = later > 0.0 ? later : 0.0;
+    struct scree_normal_force then =
+        laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){deeper, u, 0.0, 0.0});
+    double softness = 1.5 * then.elastic / (deeper + SCREE_NO_SPEED);
+    m->pushes[0][k] = then.elastic + then.damping * u;
+    m->pushes[1][k] = step * (then.damping + step * softness);
+    c->odd[k] = c->d[k] > 0.0 && !(force > 0.0) ? 1.0 : 0.0;
 }
 
 #endif

@@ -354,18 +354,22 @@ static SCREE_INLINE void begin_lane(int k, double step, double flight, int rubs,
     double d = c->d[k], u = c->u[k], a = m->closing[k], square = u * u - 2.0 * a * d;
     double root = u + sqrt(square > 0.0 ? square : 0.0), start = -2.0 * d / (root + SCREE_NO_SPEED);
     int touches = d > 0.0, begins = !touches & (flight > 0.0), thrown_back = !(root > 0.0) | (u + step * a <= 0.0);
-    double odd = (begins & thrown_back) ? 1.0 : c->odd[k];
+    /* What overlaps still after its end flies on, unless it may be pushed together again. */
+    double pushed = a > 0.0 ? m->pushes[0][k] + 2.0 * a * m->pushes[1][k] : m->pushes[0][k];
+    int ended = c->odd[k] > 0.0, flies = ended & (u + step * a < 0.0) & (u < 0.0) & (pushed < 0.0);
+    double odd = ((begins & thrown_back) | (ended & !flies)) ? 1.0 : 0.0;
     start = start < step ? start : step;
     start = touches ? 0.0 : start;
     c->odd[k] = odd;
-    c->rest[k] = ((touches | begins) & !(odd > 0.0)) ? step - start : 0.0;
+    c->rest[k] = ((touches | begins) & !ended & !(odd > 0.0)) ? step - start : 0.0;
     c->d[k] = begins ? 0.0 : d;
     c->u[k] = begins ? u + start * a : u;
     if (!rubs) return;
-    struct vec none = {0.0, 0.0, 0.0}, v = get(c->v, k), pushed = vec_axpy(v, start, get(m->aside, k));
-    put(c->v, k, begins ? pushed : v);
-    put(c->s, k, touches ? get(c->s, k) : none);
-    c->slides[k] = touches ? c->slides[k] : 0.0;
+    int holds = touches & !flies;
+    struct vec none = {0.0, 0.0, 0.0}, v = get(c->v, k), flown = vec_axpy(v, start, get(m->aside, k));
+    put(c->v, k, begins ? flown : v);
+    put(c->s, k, holds ? get(c->s, k) : none);
+    c->slides[k] = holds ? c->slides[k] : 0.0;
 }
 
 static void begin_lanes(int count, double step, int rubs, const double *flight, struct march *x) {
@@ -527,14 +531,16 @@ static double guess(const struct bracket *in, int bisect) {
 static void shorten(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
     struct bracket in[SCREE_LANES];
     double size[SCREE_LANES];
-    int open = 0, is_open[SCREE_LANES], what[SCREE_LANES], ends[SCREE_LANES];
+    int open = 0, anew = 0, is_open[SCREE_LANES], what[SCREE_LANES], ends[SCREE_LANES];
     for (int k = 0; k < padded(count); k++) {
         what[k] = (int)event[k];
         ends[k] = what[k] == ENDS;
         in[k] = (struct bracket){0.0, x->to.time[k], still(x, k, what[k], 0), still(x, k, what[k], 1), 0};
         size[k] = in[k].at_low - in[k].at_high;
         open |= is_open[k] = what[k] != NOTHING && in[k].at_low >= 0.0;
-        if (what[k] != NOTHING && !is_open[k]) x->to.time[k] = 0.0;
+        if (what[k] == NOTHING || is_open[k]) continue;
+        x->to.time[k] = 0.0;
+        anew = 1;
     }
     for (int try = 0; open && try < TRIES; try++) {
         open = 0;
@@ -544,19 +550,23 @@ static void shorten(const struct smooth_pass *pass, int count, const double *eve
         for (int k = 0; k < padded(count); k++) {
             if (!is_open[k]) continue;
             double value = still(x, k, what[k], 1);
-            int found = fabs(value) <= 1e-13 * size[k];
+            int found = fabs(value) <= 1e-11 * size[k];
             narrow(x->to.time[k], value, &in[k]);
             if (in[k].high - in[k].low > (in[k].at_low > 0.0 ? 1e-14 : 1e-6) * pass->step) {
                 open |= is_open[k] = !found;
             } else {
+                anew |= x->to.time[k] != in[k].high;
                 x->to.time[k] = in[k].high;
                 is_open[k] = 0;
             }
         }
     }
-    for (int k = 0; k < padded(count); k++)
-        if (is_open[k]) x->to.time[k] = in[k].high;
-    go(pass, count, ends, x);
+    for (int k = 0; k < padded(count); k++) {
+        if (!is_open[k]) continue;
+        x->to.time[k] = in[k].high;
+        anew = 1;
+    }
+    if (anew) go(pass, count, ends, x);
 }
 
 /* What an event changes. */
