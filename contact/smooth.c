@@ -452,7 +452,7 @@ static int set_clock(const struct smooth_pass *pass, int k, int ends, struct mar
     over = ends || !(over > 0.0) ? 0.0 : over;
     double other = x->by_clock > 0 ? away : over, near = sqrt(other / (time + other));
     if (pass->root == 4) near = sqrt(near);
-    int pieces = (other < 1.5 * rest ? 4 : 1) * (1 + (int)(rest / x->m.grid[k] * (1.0 - 1e-12)));
+    int parts = 1 + (int)(rest / x->m.grid[k] * (1.0 - 1e-12)), pieces = other < 1.5 * rest ? 2 + 2 * parts : parts;
     to->span[k] = x->by_clock * (time + other);
     to->offset[k] = x->by_clock > 0 ? -other : time + other;
     to->sigma[k] = x->by_clock > 0 ? near : 1.0;

@@ -23,7 +23,7 @@ cd "$work" || exit 1
 export OMP_NUM_THREADS=1 LC_ALL=C
 density=7161.9724391352911 # 0.03 kg in 4/3 pi (0.01 m)^3
 gamma=786.7259035217465    # 2 zeta sqrt(k/m), zeta = 0.21545376 for e = 0.5
-ladder='20 50 100 200 500'
+ladder='20 50 100 200 500' own='3 5 8 12' # steps a contact; those that scree alone takes too
 fine=20000.37
 
 duration_of() { case $1 in tsuji) echo 1.809764e-3 ;; *) echo 1.762106e-3 ;; esac; }
@@ -164,8 +164,9 @@ for case in "$@"; do
         awk '{ z += $1; x += $2; w += $3 } END { printf "%.15g %.15g %.15g", z / NR, x / NR, 0.01 * w / NR }' rebounds_$fine >"limit_$program"
         echo "# $case: $program goes to $(cat "limit_$program") (vz, vx, R spin; m/s)"
     done
-    for n in $ladder; do
+    for n in $own $ladder; do
         "$build/bench/scree-bench" precision --many 1024 --per "$n" --case "$(name_of "$case")" | grep -v '^#\|^case,\|reference'
+        case " $own " in *" $n "*) continue ;; esac
         for program in $programs; do row "$program" "$case" "$n" "$(cat "limit_$program")" "$(cat "seconds_$program")"; done
     done | tee -a rows
     "$build/bench/scree-bench" precision --many 1 --per 500 --case "$(name_of "$case")" | grep -v '^#\|^case,\|reference' |
