@@ -61,14 +61,16 @@ struct course {
  * end), and what tells events: numbers that are positive before them and negative behind. */
 struct stride {
     double time[SCREE_LANES];
+    double lasts[2][SCREE_LANES]; /* at its begin and at its end: until contact ends */
+    double holds
+        [2]
+        [SCREE_LANES]; /* until a slider that holds breaks loose (N), one that slides holds (m/s); 1: there is none */
+    double turns[2][SCREE_LANES]; /* until a law that isn't smooth there turns to another formula */
     double d[SCREE_LANES], u[SCREE_LANES], v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES];
     double slides[SCREE_LANES];
     double press[SCREE_LANES], press_moment[SCREE_LANES];
     double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES], deep[3][SCREE_LANES];
-    double lasts[2][SCREE_LANES]; /* at its begin and at its end: until contact ends */
-    double holds[2][SCREE_LANES]; /* until a slider that holds breaks loose, N; 1: there is none */
-    double turns[2][SCREE_LANES]; /* until a law that isn't smooth there turns to another formula */
-    double coarse[SCREE_LANES];   /* 1: too long a step */
+    double coarse[SCREE_LANES]; /* 1: too long a step */
     /* The clock of a root, t = offset + span sigma^p: where it stands, and its step. */
     double offset[SCREE_LANES], span[SCREE_LANES], sigma[SCREE_LANES], size[SCREE_LANES];
 };

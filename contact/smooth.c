@@ -588,10 +588,10 @@ static int lanes_with(const double *event, int count, int from, int to, int *lan
     return some;
 }
 
-/* Some of the lanes by themselves, and back; padding repeats the last. */
+/* Some of the lanes by themselves, with what tells events of the step that was tried, and back; padding repeats the last. */
 static void split_off(const struct march *x, int *lane, int count, struct march *few) {
     for (int k = count; k < padded(count); k++) lane[k] = lane[count - 1];
-    pick_lanes(x, lane, padded(count), offsetof(struct march, by_clock), few);
+    pick_lanes(x, lane, padded(count), offsetof(struct march, to.d), few);
     few->by_clock = 0;
 }
 
