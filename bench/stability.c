@@ -79,15 +79,16 @@ static double runge_kutta_limit(double damping) {
     return turn;
 }
 
-/* With friction a step is made of two. */
-static double runge_kutta_limit_of_stretch(double damping) { return 2.0 * runge_kutta_limit(damping); }
+/* Pair impulses take as many steps of Runge-Kutta as a contact's stiffness asks for, up to so many. */
+enum { MOST_STEPS = 64 };
+static double pair_impulse_limit(double damping) { return MOST_STEPS * runge_kutta_limit(damping); }
 
 /* The integrators; limits may be NULL where no theory is at hand. */
 static const struct {
     const char *name;
     double (*limit)(double damping), (*limit_of_stretch)(double damping);
 } integrators[] = {{"verlet", verlet_limit, verlet_limit_of_stretch},
-                   {"pair-impulse", runge_kutta_limit, runge_kutta_limit_of_stretch}};
+                   {"pair-impulse", pair_impulse_limit, pair_impulse_limit}};
 
 enum law { LINEAR, HERTZ, TSUJI, HUNT_CROSSLEY, COULOMB, LAWS };
 static const char *const law_names[LAWS] = {"linear", "hertz", "tsuji", "hunt-crossley", "coulomb"};
@@ -252,10 +253,10 @@ static void print_map(int integrator, enum law law) {
     }
 }
 
-/* Largest omega*step up to which `good` holds, by halving between 1e-3 and 8. */
+/* Largest omega*step up to which `good` holds, by halving between 1e-3 and 512. */
 static double find_limit(const char *integrator, enum law law, double ratio, int right) {
-    double low = 1e-3, high = 8.0;
-    for (int k = 0; k < 20; k++) {
+    double low = 1e-3, high = 512.0;
+    for (int k = 0; k < 22; k++) {
         double middle = sqrt(low * high);
         int good = is_stable(integrator, law, ratio, middle / omega);
         if (good && right) good = is_right(rate_errors(integrator, law, ratio, middle / omega));

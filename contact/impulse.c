@@ -191,7 +191,9 @@ static int pieces_for(const struct scree_pair_motion *p, const struct scree_pair
     double stiff = fmax(damped * damped, 1.5 * elastic / touching.overlap * p->normal_give);
     if (p->friction) {
         double spring = p->friction->stiffness(p->friction_law, p->friction_pair, touching.overlap);
-        stiff = fmax(stiff, spring * p->sideways_give);
+        double drag = p->friction->slope(p->friction_law) * elastic +
+                      p->friction->damping(p->friction_law, p->friction_pair, touching.overlap);
+        stiff = fmax(stiff, fmax(spring, drag * drag * p->sideways_give) * p->sideways_give);
     }
     return 1 + (int)fmin(4.0 * p->step * sqrt(stiff), 63.0);
 }

@@ -411,6 +411,8 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
         rate = across > rate ? across : rate;
         double spring = m->give_aside[k] * laws.stiffness(lane.friction, lane.friction_pair, deep);
         stiff = spring > stiff ? spring : stiff;
+        double drag = slope * fabs(g.elastic) + laws.damping(lane.friction, lane.friction_pair, deep);
+        damped = m->give_aside[k] * drag > damped ? m->give_aside[k] * drag : damped;
     }
     m->rate[k] = rate;
     stiff = damped * damped > stiff ? damped * damped : stiff;

@@ -3,8 +3,8 @@
  * ends inside the step, and each of these instants is located; those to which one of them happens are drawn together and go on by
  * themselves.
  *
- * Few are left to within.c: contacts that overlap still after their end, that are thrown back before they touch, and those of
- * friction where a root begins. Which they are, and all that becomes of the others, is decided for each contact by its own numbers, so
+ * Few are left to within.c: contacts that may be pushed together again after their end, that are thrown back before they touch, and of
+ * friction with a dashpot those where a root begins or ends. Which they are, and all that becomes of the others, is decided for each contact by its own numbers, so
  * that no bit depends on its neighbours in the list, on threads or on the processor. Compiled once for each kind of processor, as
  * loop.c is. */
 #include "contact/lane.h"
