@@ -24,6 +24,7 @@ struct smooth_laws {
     at_overlap *stiffness, *damping;
     int cut, root, memory, turns_smoothly;
     int bare; /* friction is a slider behind a bare spring */
+    int none; /* there is no such pass */
 };
 
 /* Columns of what stays during a step. */

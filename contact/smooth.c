@@ -48,24 +48,31 @@ struct smooth_loops {
     __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, double step, \
                                                              int asked, int count, struct course *c,                   \
                                                              struct motion *m) {                                       \
-        SMOOTH_LOOP(rate_lane((struct smooth_laws){__VA_ARGS__}, rule, slope, step, asked, k, c, m);)                  \
+        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
+        if (laws.none) return;                                                                                         \
+        SMOOTH_LOOP(rate_lane(laws, rule, slope, step, asked, k, c, m);)                                               \
     }                                                                                                                  \
     __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct motion *m, int count,  \
                                                           double step, struct course *c, struct stride *to) {          \
+        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         struct scree_rule constants = *rule;                                                                           \
-        SMOOTH_LOOP(step_lane((struct smooth_laws){__VA_ARGS__}, &constants, m, k, step, c, to);)                      \
+        if (laws.none) return;                                                                                         \
+        SMOOTH_LOOP(step_lane(laws, &constants, m, k, step, c, to);)                                                   \
     }                                                                                                                  \
     __attribute__((flatten)) static void smooth_tick_##name(const struct scree_rule *rule, struct motion *m,           \
                                                             int count, double step, struct course *c,                  \
                                                             struct stride *to) {                                       \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         struct scree_rule constants = *rule;                                                                           \
-        if (laws.root < 2 || (laws.rub && !laws.bare)) return; /* nobody asks for it */                                \
+        if (laws.none || laws.root < 2 || (laws.rub && !laws.bare)) return;                                            \
         SMOOTH_LOOP(tick_lane(laws, &constants, m, k, step, c, to);)                                                   \
     }
 
+/* What keeps numbers, reaches beyond the touch or changes its formula inside a contact isn't smooth. */
+#define SMOOTH_NOT(law) (law.memory || law.reach || law.bends)
 #define SMOOTH_ALONE(word)                                                                                             \
-    SMOOTH_PASS(word, .press = normal_##word##_force, .cut = scree_normal_##word.cut, .root = scree_normal_##word.root)
+    SMOOTH_PASS(word, .press = normal_##word##_force, .cut = scree_normal_##word.cut,                                  \
+                .root = scree_normal_##word.root, .none = SMOOTH_NOT(scree_normal_##word))
 SCREE_NORMAL_LAWS(SMOOTH_ALONE)
 
 /* Laws that go together get a pass; of others every contact is left to within.c. */
@@ -134,7 +141,7 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct smooth_pass pass = {.rule = rule, .step = step, .substeps = contacts->substeps};
-    if (normal->memory || normal->reach || normal->bends) return pass;
+    if (SMOOTH_NOT((*normal))) return pass;
     int rubs = pass.rubs = rule->friction >= 0, bare = rubs && is_bare(rule, batch, first);
     pass.loops = smooth_loops_of(rule, bare);
     pass.ticks = !rubs || bare;
