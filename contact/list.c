@@ -256,7 +256,7 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
 }
 
 /* More than so many bodies have narrow margins. */
-enum { FEW = 256 };
+enum { FEW = 64 };
 static int are_many(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     return contacts->step > 0.0 && (bodies->order.slabs > 0 || bodies->count > FEW);
 }
