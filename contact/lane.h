@@ -22,7 +22,7 @@ struct smooth_laws {
     rub_law *rub; /* NULL: no friction */
     hold_law *hold;
     at_overlap *stiffness, *damping;
-    int cut, root, memory, turns_smoothly;
+    int cut, root, memory;
     int bare; /* friction is a slider behind a bare spring */
     int none; /* there is no such pass */
 };
@@ -34,13 +34,12 @@ struct motion {
     double give[SCREE_LANES],
         give_aside[SCREE_LANES]; /* acceleration per force, along the normal and across it, 1/kg */
     double start[SCREE_LANES];   /* overlap at the start of the step, m */
-    double lever
-        [2]
-        [SCREE_LANES]; /* sum of the levers there over the moments of inertia, 1/(kg m); of 1 over these, 1/(kg m^2) */
+    /* The levers there over the moments of inertia, summed, 1/(kg m); 1 over these, summed, 1/(kg m^2). */
+    double lever[2][SCREE_LANES];
     double rate[SCREE_LANES]; /* of damping, 1/s */
     double grid[SCREE_LANES]; /* longest step of Runge-Kutta, s */
-    double pushes
-        [2][SCREE_LANES]; /* of laws that are cut: force after a free flight, N, and what closing adds to it, N s^2/m */
+    /* Of laws that are cut: force after a free flight, N, and what closing adds to it, N s^2/m. */
+    double pushes[2][SCREE_LANES];
     double pair[SCREE_PAIR_LEVER][SCREE_LANES];
 };
 
@@ -63,9 +62,8 @@ struct course {
 struct stride {
     double time[SCREE_LANES];
     double lasts[2][SCREE_LANES]; /* at its begin and at its end: until contact ends */
-    double holds
-        [2]
-        [SCREE_LANES]; /* until a slider that holds breaks loose (N), one that slides holds (m/s); 1: there is none */
+    /* Until a slider that holds breaks loose, N, or one that slides holds, m/s; 1: there is none. */
+    double holds[2][SCREE_LANES];
     double turns[2][SCREE_LANES]; /* until a law that isn't smooth there turns to another formula */
     double d[SCREE_LANES], u[SCREE_LANES], v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES];
     double slides[SCREE_LANES];

@@ -10,6 +10,7 @@
 #include "contact/lane.h"
 #include "contact/law_list.h"
 #include "contact/loop.h"
+#include "contact/meeting.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -153,192 +154,6 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
     return pass;
 }
 
-/* ---- gather ---- */
-
-/* Where contacts are, and what bodies do by themselves (scree_push; differences of ball and host where that is enough). */
-struct meeting {
-    double later_n[3][SCREE_LANES];                              /* normal in the middle of the step */
-    double arm[SCREE_LANES], host_arm[SCREE_LANES];              /* from the centres to the contact at the start, m */
-    double last[3][SCREE_LANES], before[3][SCREE_LANES];         /* impulses of the last two steps, N s */
-    double last_depth[SCREE_LANES], depth_before[SCREE_LANES];   /* and the overlaps that friction had on the mean, m */
-    double along[4][SCREE_LANES], more[4][SCREE_LANES];          /* m/s^2 */
-    double ball_turn[4][SCREE_LANES], host_turn[4][SCREE_LANES]; /* rad/s^2; 1/(kg m^2) */
-    double ball_more[4][SCREE_LANES], host_more[4][SCREE_LANES];
-};
-
-#ifdef __AVX__
-static inline void fetch_pushes(const struct scree_push *push, const struct scree_contact *const contact[4], int lane,
-                                int turns, struct meeting *to) {
-    scree_row row[6][4];
-    for (int i = 0; i < 4; i++) {
-        const struct scree_push *ball = &push[contact[i]->ball], *host = &push[contact[i]->host];
-        row[0][i] = *(const scree_row *)ball->along - *(const scree_row *)host->along;
-        row[1][i] = *(const scree_row *)ball->more - *(const scree_row *)host->more;
-        if (!turns) continue;
-        row[2][i] = *(const scree_row *)ball->turn;
-        row[3][i] = *(const scree_row *)ball->turn_more;
-        row[4][i] = *(const scree_row *)host->turn;
-        row[5][i] = *(const scree_row *)host->turn_more;
-    }
-    store_columns(row[0], to->along, lane);
-    store_columns(row[1], to->more, lane);
-    if (!turns) return;
-    store_columns(row[2], to->ball_turn, lane);
-    store_columns(row[3], to->ball_more, lane);
-    store_columns(row[4], to->host_turn, lane);
-    store_columns(row[5], to->host_more, lane);
-}
-#else
-static inline void fetch_pushes(const struct scree_push *push, const struct scree_contact *const contact[4], int lane,
-                                int turns, struct meeting *to) {
-    for (int i = 0; i < 4; i++) {
-        const struct scree_push *ball = &push[contact[i]->ball], *host = &push[contact[i]->host];
-        for (int k = 0; k < 3; k++) {
-            to->along[k][lane + i] = ball->along[k] - host->along[k];
-            to->more[k][lane + i] = ball->more[k] - host->more[k];
-        }
-        for (int k = 0; turns && k < 4; k++) {
-            to->ball_turn[k][lane + i] = ball->turn[k];
-            to->ball_more[k][lane + i] = ball->turn_more[k];
-            to->host_turn[k][lane + i] = host->turn[k];
-            to->host_more[k][lane + i] = host->turn_more[k];
-        }
-    }
-}
-#endif
-
-/* Numbers of one column, of contacts one after the other (`index` NULL) or here and there. */
-static inline void fetch_column(const double *column, int first, const int *index, int count, double *to) {
-    if (index) { /* padding repeats the last */
-        for (int k = 0; k < padded(count); k++) to[k] = column[index[k < count ? k : count - 1]];
-    } else {
-        _Pragma("omp simd")
-        for (int k = 0; k < padded(count); k++) to[k] = column[first + k];
-    }
-}
-
-/* What is kept of the contacts. */
-static void fetch_kept(const struct scree_batch *batch, int first, const int *index, int count, int turns,
-                       struct block *b, struct meeting *to, struct course *c, struct motion *m) {
-    for (int axis = 0; axis < 3; axis++) {
-        fetch_column(batch->past[axis], first, index, count, to->last[axis]);
-        fetch_column(batch->past[SCREE_PAST_STEP + axis], first, index, count, to->before[axis]);
-    }
-    fetch_column(batch->past[SCREE_PAST_DEPTH], first, index, count, to->last_depth);
-    fetch_column(batch->past[SCREE_PAST_STEP + SCREE_PAST_DEPTH], first, index, count, to->depth_before);
-    int columns = turns ? SCREE_PAIR_LEVER : SCREE_PAIR_FRICTION;
-    for (int column = 0; column < columns; column++)
-        fetch_column(batch->pair[column], batch->uniform ? 0 : first, batch->uniform ? NULL : index, count,
-                     m->pair[column]);
-    if (!turns) return;
-    if (!batch->kept[0]) {
-        memset(c->s, 0, sizeof c->s);
-        memset(c->slides, 0, sizeof c->slides);
-        return;
-    }
-    for (int axis = 0; axis < 3; axis++) fetch_column(batch->kept[axis], first, index, count, c->s[axis]);
-    fetch_column(batch->kept[3], first, index, count, c->slides);
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) put(c->s, k, scree_into_tangent_plane(get(c->s, k), get(b->n, k)));
-}
-
-/* Arms and speeds at the start, arms and normal in the middle. */
-static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int balls, int turns, struct meeting *to,
-                                   struct course *c, struct motion *m) {
-    struct vec n = get(b->n, k), shift = get(b->shift, k), rush = get(b->rush, k), later_n = n;
-    double d = b->overlap[k], along = vec_dot(rush, n), apart = balls ? b->shift[3][k] - d : vec_dot(shift, n);
-    if (balls) {
-        const struct vec origin = {0.0, 0.0, 0.0};
-        struct scree_meeting later = scree_meet_ball(vec_axpy(shift, 0.5 * step, rush), b->shift[3][k], origin, 0.0);
-        later_n = later.normal;
-    }
-    put(to->later_n, k, later_n);
-    to->arm[k] = b->radius[k] - 0.5 * d;
-    to->host_arm[k] = apart - to->arm[k];
-    c->d[k] = d;
-    c->u[k] = -along;
-    m->give[k] = b->rush[3][k];
-    m->give_aside[k] = m->give[k];
-    if (!turns) return;
-    struct vec around = vec_axpy(vec_scale(to->arm[k], get(b->ball_spin, k)), to->host_arm[k], get(b->host_spin, k));
-    struct vec slip = vec_sub(rush, vec_cross(around, n));
-    put(c->v, k, vec_axpy(slip, -vec_dot(slip, n), n));
-    put(c->q, k, vec_scale(0.5, vec_cross(vec_add(get(b->ball_spin, k), get(b->host_spin, k)), n)));
-    double ball = to->arm[k] * to->ball_turn[3][k], host = to->host_arm[k] * to->host_turn[3][k];
-    m->give_aside[k] += to->arm[k] * ball + to->host_arm[k] * host;
-    m->start[k] = d;
-    m->lever[0][k] = ball + host;
-    m->lever[1][k] = to->ball_turn[3][k] + to->host_turn[3][k];
-}
-
-/* The acceleration that isn't the pair's own: the rest of what the bodies do, and the turning of arms and normal. */
-static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int turns, struct meeting *to,
-                                    struct motion *m) {
-    struct vec n = get(b->n, k), later_n = get(to->later_n, k), rush = get(b->rush, k), last = get(to->last, k);
-    double more = (0.15 - 0.5 * m->rate[k] * step) / 0.06, per_step = 1.0 / step;
-    more = more > 0.0 ? more : 0.0;
-    more = more < 1.0 ? more : 1.0;
-    struct vec own = vec_axpy(last, more, vec_sub(last, get(to->before, k)));
-    struct vec a = vec_axpy(get(to->along, k), more, get(to->more, k));
-    struct vec sweep = vec_scale(2.0 * per_step, vec_sub(later_n, n)), slip = rush, gain = {0.0, 0.0, 0.0};
-    a = vec_axpy(a, -m->give[k] * per_step, own);
-    if (turns) {
-        struct vec ball = vec_axpy(get(to->ball_turn, k), more, get(to->ball_more, k));
-        struct vec host = vec_axpy(get(to->host_turn, k), more, get(to->host_more, k));
-        a = vec_sub(a, vec_cross(vec_axpy(vec_scale(to->arm[k], ball), to->host_arm[k], host), n));
-        /* Levers were longer by half of what the overlap has gained since. */
-        double longer = 0.5 * (b->overlap[k] - to->last_depth[k]),
-               before_that = 0.5 * (b->overlap[k] - to->depth_before[k]);
-        struct vec mine = vec_scale(m->give_aside[k] - m->give[k], own);
-        mine = vec_axpy(mine, m->lever[0][k] * longer * (1.0 + more), last);
-        mine = vec_axpy(mine, -m->lever[0][k] * before_that * more, get(to->before, k));
-        a = vec_axpy(a, -per_step, vec_axpy(mine, -vec_dot(mine, n), n));
-        struct vec w = get(b->ball_spin, k), other = get(b->host_spin, k);
-        struct vec around = vec_axpy(vec_scale(to->arm[k], w), to->host_arm[k], other);
-        gain = vec_scale(-1.0, vec_cross(around, sweep));
-        slip = vec_sub(rush, vec_cross(around, n));
-    }
-    /* (n x n') x v */
-    gain = vec_sub(gain, vec_axpy(vec_scale(vec_dot(n, slip), sweep), -vec_dot(sweep, slip), n));
-    a = vec_add(a, gain);
-    m->closing[k] = -vec_dot(a, n);
-    if (turns) put(m->aside, k, vec_axpy(a, m->closing[k], n));
-}
-
-/* ---- scatter ---- */
-
-/* A vector of the tangent plane turns with the normal, from n to `later`. */
-static SCREE_INLINE struct vec turn_over(struct vec v, struct vec axis, double cosine) {
-    struct vec once = vec_cross(axis, v);
-    return vec_axpy(vec_add(v, once), 1.0 / (1.0 + cosine), vec_cross(axis, once));
-}
-
-/* Impulses in the directions of mid-step. */
-static SCREE_INLINE void yield_lane(struct block *b, int k, int balls, int turns, struct meeting *at, struct course *c,
-                                    struct scree_yield *yield, struct scree_moments *moments) {
-    struct vec later = get(at->later_n, k);
-    struct vec j = vec_scale(c->press[k], later), m = vec_scale(c->press_moment[k], later);
-    if (turns) {
-        struct vec rub = get(c->rub, k), rub_moment = get(c->rub_moment, k);
-        struct vec ball = vec_axpy(vec_scale(at->arm[k], rub), -0.5, get(c->deep, k));
-        struct vec host = vec_axpy(vec_scale(at->host_arm[k], rub), -0.5, get(c->deep, k));
-        if (balls) {
-            struct vec n = get(b->n, k), axis = vec_cross(n, later);
-            double cosine = vec_dot(n, later);
-            rub = turn_over(rub, axis, cosine);
-            rub_moment = turn_over(rub_moment, axis, cosine);
-            ball = turn_over(ball, axis, cosine);
-            host = turn_over(host, axis, cosine);
-        }
-        j = vec_add(j, rub);
-        m = vec_add(m, rub_moment);
-        put(yield->turn_ball, k, vec_cross(ball, later));
-        put(yield->turn_host, k, vec_cross(host, later));
-    }
-    put(yield->impulse, k, j);
-    put(moments->impulse, k, m);
-}
-
 /* ---- through the step ---- */
 
 /* Contacts on their way. */
@@ -421,7 +236,7 @@ static int look(const struct smooth_pass *pass, int count, const struct march *x
     return any;
 }
 
-/* Take the step, where `take` is nothing. */
+/* Take the step in lanes in which nothing has happened. */
 static void accept(int count, int rubs, const double *event, struct march *x) {
     struct course *c = &x->c;
     const struct stride *to = &x->to;

@@ -64,8 +64,10 @@ typedef struct scree_time_def {
     double accuracy;
     scree_integrator integrator;
     int any_integrator; /* with `accuracy`: take whichever of Verlet and pair impulses needs less time for it */
-    int substeps; /* of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as many, with friction twice where needed */
-    double speed; /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
+    /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as many, with friction
+     * twice where needed. */
+    int substeps;
+    double speed;     /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
     int no_flight; /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at once */
     int force;     /* accept a step beyond the stability limit */
