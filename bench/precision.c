@@ -28,8 +28,9 @@ static const char help[] =
     "  --case NAME  this one only\n"
     "  --many N     N (at most 1024) of the impacts at once, up to 32 phases; time is that of one contact of one ball "
     "(see\n"
-    "               bench/peers/precision.sh, which sets other programs beside them)\n"
-    "  --per N      this number of steps per contact only (2, 3, 5, 8 and those of the table)\n"
+    "               bench/peers/precision.sh, which sets other programs beside them), after two steps without touch\n"
+    "  --per N      this number of steps per contact only (3, 5, 8 and those of the table; with --many 1 and 2, but "
+    "not verlet)\n"
     "  --script     print a gnuplot script that draws precision.csv and precision_peers.csv of data/bench\n"
     "\n"
     "example: scree-bench precision --phases 16 --case cradle\n";
@@ -70,7 +71,7 @@ static const char script[] =
     "}\n"
     "unset multiplot\n";
 
-enum { INTEGRATORS = 3, STEPS = 14, PHASES = 64, MANY = 1024, MANY_PHASES = 32, PARTS = 4 };
+enum { INTEGRATORS = 3, STEPS = 15, PHASES = 64, MANY = 1024, MANY_PHASES = 32, WARM = 2, PARTS = 4 };
 
 static const struct {
     const char *name, *choice, *substeps;
@@ -80,10 +81,13 @@ static const struct {
     {"pair-impulse x4", "time.integrator=\"pair-impulse\"", "time.substeps=4"},
 };
 
-static const double per_contact[STEPS] = {2, 3, 5, 8, 10, 12, 15, 20, 30, 50, 100, 200, 350, 500};
+static const double per_contact[STEPS] = {1, 2, 3, 5, 8, 10, 12, 15, 20, 30, 50, 100, 200, 350, 500};
 
 /* `only` 0: all steps but those that are long even for pair impulses. */
 static int wanted(int k, double only) { return only > 0.0 ? per_contact[k] == only : per_contact[k] >= 10.0; }
+
+/* Steps so long that Verlet's method is near its limit, pi/2 a contact, are for the others. */
+static int first_for(int k) { return per_contact[k] < 3.0; }
 
 /* Seconds of processor time: one thread runs, and whatever else the machine does isn't counted. */
 static double processor_now(void) {
@@ -168,7 +172,7 @@ static void fill(const struct precision_case *c, int phases, double only, const 
     static double numbers[PRECISION_NUMBERS];
     for (int k = 0; k < STEPS; k++)
         for (int phase = 0; phase < phases && wanted(k, only); phase++)
-            for (int integrator = 0; integrator < INTEGRATORS; integrator++) {
+            for (int integrator = first_for(k); integrator < INTEGRATORS; integrator++) {
                 double part = (phase + 0.5) / phases, step = c->duration / (per_contact[k] - 0.5 + part);
                 struct row *row = &rows[integrator][k];
                 long steps;
@@ -194,7 +198,7 @@ static void measure(const struct precision_case *c, int phases, double only) {
     fill(c, phases, only, reference, rows);
     for (int integrator = 0; integrator < INTEGRATORS; integrator++)
         for (int k = 0; k < STEPS; k++)
-            if (wanted(k, only))
+            if (wanted(k, only) && integrator >= first_for(k))
                 print_row(c->name, c->duration, integrator, k, &rows[integrator][k], phases, phases * c->numbers);
     fflush(stdout);
 }
@@ -209,7 +213,7 @@ static char *multiply(const struct precision_case *c, int balls, double step) {
     if (!text) return NULL;
     used = (size_t)snprintf(text, size, "%.*s", (int)(ball - c->scene), c->scene);
     for (int k = 0; k < balls; k++) {
-        double ahead = step * (k % MANY_PHASES + 0.5) / MANY_PHASES;
+        double ahead = step * (WARM + (k % MANY_PHASES + 0.5) / MANY_PHASES);
         used += (size_t)snprintf(
             text + used, size - used,
             "[[body]]\nname = \"%d\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nmass = 0.03\n"
@@ -228,6 +232,7 @@ static void run_many(const struct precision_case *c, int balls, int integrator, 
     const char *changes[] = {change, integrators[integrator].choice, integrators[integrator].substeps};
     snprintf(change, sizeof change, "time.step=%.17g", step);
     scree_scene *scene = bench_scene_text(text, changes, integrators[integrator].substeps ? 3 : 2);
+    bench_step(scene, WARM);
     double begin = processor_now();
     bench_step(scene, steps);
     row->nanoseconds[part] = (processor_now() - begin) / (double)steps / balls * 1e9;
@@ -248,11 +253,11 @@ static void measure_many(const struct precision_case *c, int balls, double only)
     set_reference(c, reference);
     for (int k = 0; k < STEPS; k++)
         for (int part = 0; part < PARTS && wanted(k, only); part++)
-            for (int integrator = 0; integrator < INTEGRATORS; integrator++)
+            for (int integrator = first_for(k); integrator < INTEGRATORS; integrator++)
                 run_many(c, balls, integrator, part, k, reference, &rows[integrator][k]);
     for (int integrator = 0; integrator < INTEGRATORS; integrator++)
         for (int k = 0; k < STEPS; k++)
-            if (wanted(k, only))
+            if (wanted(k, only) && integrator >= first_for(k))
                 print_row(c->name, c->duration, integrator, k, &rows[integrator][k], PARTS, PARTS * balls * c->numbers);
     fflush(stdout);
 }
@@ -277,6 +282,8 @@ int bench_precision(int count, char **words) {
     int per = steps ? cli_whole_number(steps, "--per", 500) : 500;
     if (!phase_count || !balls || !per) return EXIT_USAGE;
     if (!steps) per = 0;
+    if (per && per < 3 && !many)
+        return cli_complain("--per 1 and 2 go with --many: without, the run ends before the contact does");
     int known = only == NULL;
     for (int k = 0; k < precision_case_count && k < MOST; k++) {
         names[k] = precision_cases[k].name;

@@ -54,6 +54,7 @@ struct course {
     double press[SCREE_LANES], press_moment[SCREE_LANES]; /* N s, N s^2, about the end of the step */
     double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES];
     double deep[3][SCREE_LANES]; /* integral of (d - start) F_t, N s m */
+    double events[SCREE_LANES];  /* that it has gone past */
     double odd[SCREE_LANES];     /* 1: left to within.c */
 };
 
@@ -401,7 +402,11 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
     double d = c->d[k] > 0.0 ? c->d[k] : 0.0, u = c->u[k], way = d + step * fabs(u);
     struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){d, u, 0.0, 0.0});
     double force = f.elastic + f.damping * u, rate = f.damping * m->give[k];
-    double deep = d > 0.0 ? d : way + SCREE_NO_SPEED;
+    /* It gets as deep as the step takes it, or as far as its speed can press a spring between linear and Hertz's. */
+    double most = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){way, u, 0.0, 0.0}).elastic;
+    double can = 1.25 * u * u, needs = m->give[k] * most * way + SCREE_NO_SPEED;
+    double pressed = u > 0.0 ? (needs > can ? way * sqrt(can / needs) : way) : 0.0;
+    double deep = (d > pressed ? d : pressed) + SCREE_NO_SPEED;
     struct scree_normal_force g = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){deep, u, 0.0, 0.0});
     double damped = g.damping * m->give[k], stiff = m->give[k] * 1.5 * fabs(g.elastic) / deep;
     if (laws.rub) {

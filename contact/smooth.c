@@ -202,12 +202,21 @@ static void begin_lanes(int count, double step, int rubs, const double *flight, 
     for (int k = count; k < padded(count); k++) x->c.rest[k] = 0.0;
 }
 
+/* So many steps of the grid behind a begin go by the clock; further on the force is smooth enough without. */
+static const double clocked = 3.0;
+
+/* The way that the clock goes: behind a begin that far, before an end up to that of the step. */
+static SCREE_INLINE double way_by_clock(const struct march *x, int k) {
+    double rest = x->c.rest[k], most = clocked * x->m.grid[k];
+    return x->by_clock > 0 && most < rest ? most : rest;
+}
+
 /* The next step: what is left, in equal parts no longer than the grid's. */
 static void stride_out(int count, struct march *x) {
     SMOOTH_LOOP({
         double rest = x->c.rest[k];
         int parts = 1 + (int)(rest / x->m.grid[k] * (1.0 - 1e-12));
-        x->to.time[k] = x->by_clock ? rest : rest / parts;
+        x->to.time[k] = x->by_clock ? way_by_clock(x, k) : rest / parts;
     })
 }
 
@@ -270,11 +279,11 @@ static void accept(int count, int rubs, const double *event, struct march *x) {
  * it is known to be that of the step. Returns the number of its own steps, for a root that is near and one that isn't. */
 static int set_clock(const struct smooth_pass *pass, int k, int ends, struct march *x) {
     struct stride *to = &x->to;
-    double time = to->time[k], away = fabs(x->c.d[k] / x->c.u[k]), over = away - time, rest = x->c.rest[k];
+    double time = to->time[k], away = fabs(x->c.d[k] / x->c.u[k]), over = away - time, way = way_by_clock(x, k);
     over = ends || !(over > 0.0) ? 0.0 : over;
     double other = x->by_clock > 0 ? away : over, near = sqrt(other / (time + other));
     if (pass->root == 4) near = sqrt(near);
-    int parts = 1 + (int)(rest / x->m.grid[k] * (1.0 - 1e-12)), pieces = other < 1.5 * rest ? 2 + 2 * parts : parts;
+    int parts = 1 + (int)(way / x->m.grid[k] * (1.0 - 1e-12)), pieces = other < 1.5 * way ? 2 + 2 * parts : parts;
     to->span[k] = x->by_clock * (time + other);
     to->offset[k] = x->by_clock > 0 ? -other : time + other;
     to->sigma[k] = x->by_clock > 0 ? near : 1.0;
@@ -391,115 +400,123 @@ static void shorten(const struct smooth_pass *pass, int count, const double *eve
     if (anew) go(pass, count, ends, x);
 }
 
+/* After its end a contact flies; if that leads back to the touch within the step, it goes on from there. */
+static void fly_on(int k, int rubs, struct march *x) {
+    struct course *c = &x->c;
+    double d = c->d[k], u = c->u[k], a = x->m.closing[k], square = u * u - 2.0 * a * d;
+    double back = square > 0.0 ? sqrt(square) : 0.0, flight = (back - u) / a;
+    int touches = a > 0.0 && u < 0.0 && back > 0.0 && flight < c->rest[k];
+    c->rest[k] = touches ? c->rest[k] - flight : 0.0;
+    c->d[k] = touches ? 0.0 : d;
+    c->u[k] = touches ? back : u;
+    if (!rubs) return;
+    if (touches) put(c->v, k, vec_axpy(get(c->v, k), flight, get(x->m.aside, k)));
+    put(c->s, k, vec(0.0, 0.0, 0.0));
+    c->slides[k] = 0.0;
+}
+
 /* What an event changes. */
 static void pass_event(int count, int rubs, const double *event, struct march *x) {
     struct course *c = &x->c;
     for (int k = 0; k < padded(count); k++) {
-        if (event[k] == ENDS) c->rest[k] = 0.0;
-        if (event[k] == ENDS && rubs) put(c->s, k, vec(0.0, 0.0, 0.0));
-        if (event[k] == ENDS && rubs) c->slides[k] = 0.0;
+        if (event[k] == ENDS) fly_on(k, rubs, x);
         if (event[k] == SLIPS) c->slides[k] = c->slides[k] > 0.0 ? 0.0 : 1.0;
     }
 }
 
-/* Lanes in which something from one kind to another has happened. */
-static int lanes_with(const double *event, int count, int from, int to, int *lane) {
-    int some = 0;
-    for (int k = 0; k < count; k++)
-        if (event[k] >= from && event[k] <= to) lane[some++] = k;
-    return some;
-}
-
-/* Some of the lanes by themselves, with what tells events of the step that was tried, and back; padding repeats the last. */
+/* Some of the lanes by themselves, and back; padding repeats the last. */
 static void split_off(const struct march *x, int *lane, int count, struct march *few) {
     for (int k = count; k < padded(count); k++) lane[k] = lane[count - 1];
-    pick_lanes(x, lane, padded(count), offsetof(struct march, to.d), few);
+    pick_lanes(x, lane, padded(count), offsetof(struct march, to), few);
     few->by_clock = 0;
 }
 
 static void join(const struct march *few, const int *lane, int count, struct march *x) {
+    return_lanes(&few->m.grid, lane, count, sizeof few->m.grid, &x->m.grid);
     return_lanes(&few->c, lane, count, sizeof few->c, &x->c);
 }
 
-static void leave(int count, const int *lane, struct march *x) {
-    for (int i = 0; i < count; i++) {
-        x->c.odd[lane[i]] = 1.0;
-        x->c.rest[lane[i]] = 0.0;
-    }
+static void leave(int k, struct march *x) {
+    x->c.odd[k] = 1.0;
+    x->c.rest[k] = 0.0;
 }
 
 /* Lanes near the begin of a root of the overlap (side 1), or near its end (-1); left where the laws have no clock. */
 static int lanes_near(const struct smooth_pass *pass, int count, int side, struct march *x, int *near) {
     int nears = 0;
-    double within = side > 0 ? 6.0 : 7.0;
     if (side < 0 && pass->cut) return 0;
     for (int k = 0; k < count; k++) {
-        double rest = x->c.rest[k], d = x->c.d[k], u = side * x->c.u[k];
-        if (rest > 0.0 && u > 0.0 && d < within * rest * u) near[nears++] = k;
+        double rest = x->c.rest[k], grid = x->m.grid[k], d = x->c.d[k], u = side * x->c.u[k];
+        double within = side < 0 ? 7.0 * rest : clocked * (rest < grid ? rest : grid);
+        if (rest > 0.0 && u > 0.0 && d < within * u) near[nears++] = k;
     }
     if (pass->ticks) return nears;
-    leave(nears, near, x);
+    for (int i = 0; i < nears; i++) leave(near[i], x);
     return 0;
 }
 
-/* Events of the step that was tried: contacts go past theirs by themselves. */
-static void go_past(const struct smooth_pass *pass, const double *event, const int *lane, int count,
-                    struct march *few) {
+/* Past the events of the step that was tried; lanes without one stay where they are. */
+static void go_past(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
     const double none[SCREE_LANES] = {0.0};
     double own[SCREE_LANES], first[SCREE_LANES];
     int again = 0;
-    for (int k = 0; k < padded(count); k++) own[k] = event[lane[k]];
-    shorten(pass, count, own, few);
-    for (int k = 0; pass->rubs && k < padded(count); k++) { /* sliding may go on until there is no contact any more */
-        int ended = own[k] == SLIPS && few->c.slides[k] > 0.0 && few->to.lasts[1][k] < 0.0;
+    for (int k = 0; k < padded(count); k++) {
+        own[k] = event[k] >= TURNS && event[k] <= ENDS && x->c.rest[k] > 0.0 ? event[k] : NOTHING;
+        if (own[k] == NOTHING) x->to.time[k] = 0.0;
+    }
+    shorten(pass, count, own, x);
+    for (int k = 0; k < padded(count); k++) { /* sliding, or pressing, may go on until there is no contact any more */
+        int until_end = pass->rubs && (own[k] == TURNS || (own[k] == SLIPS && x->c.slides[k] > 0.0));
+        int ended = until_end && x->to.lasts[1][k] <= 0.0;
         again |= ended;
         own[k] = ended ? ENDS : own[k];
         first[k] = ended ? ENDS : NOTHING;
     }
-    if (again) shorten(pass, count, first, few);
-    accept(count, pass->rubs, none, few);
-    pass_event(count, pass->rubs, own, few);
+    if (again) shorten(pass, count, first, x);
+    accept(count, pass->rubs, none, x);
+    pass_event(count, pass->rubs, own, x);
+    for (int k = 0; k < padded(count); k++) x->c.events[k] += own[k] != NOTHING;
 }
 
-/* All lanes to the end of the step; `events` of each have been so far. */
-static void march_on(const struct smooth_pass *pass, int count, int events, struct march *x) {
+/* One step of all lanes. Where something happens, lanes wait until nothing else goes on any more: then they all go past it. */
+static void advance(const struct smooth_pass *pass, int count, struct march *x) {
+    double event[SCREE_LANES] = {0.0};
+    int goes_on = 0;
+    stride_out(count, x);
+    go(pass, count, NULL, x);
+    int any = look(pass, count, x, event);
+    accept(count, pass->rubs, event, x);
+    if (!any) return;
+    for (int k = 0; k < padded(count); k++) {
+        int odd = event[k] == ODD || (event[k] >= TURNS && x->c.events[k] >= MOST_EVENTS);
+        if (odd) leave(k, x);
+        if (event[k] == COARSE) x->m.grid[k] *= 0.5;
+        goes_on |= event[k] <= COARSE && x->c.rest[k] > 0.0;
+    }
+    if (!goes_on || x->by_clock) go_past(pass, count, event, x);
+}
+
+/* All lanes to the end of the step. */
+static void march_on(const struct smooth_pass *pass, int count, struct march *x) {
     struct march few;
     int lane[SCREE_LANES], some;
-    double event[SCREE_LANES];
     for (;;) {
-        for (int side = 1; side >= -1 && pass->root >= 2 && !x->by_clock; side -= 2) {
-            if (!(some = lanes_near(pass, count, side, x, lane))) continue;
-            split_off(x, lane, some, &few);
-            few.by_clock = side;
-            march_on(pass, some, events, &few);
-            join(&few, lane, some, x);
+        for (int side = 1; side >= -1 && pass->root >= 2; side -= 2) {
+            while ((some = lanes_near(pass, count, side, x, lane))) {
+                split_off(x, lane, some, &few);
+                few.by_clock = side;
+                advance(pass, some, &few);
+                join(&few, lane, some, x);
+            }
         }
-        stride_out(count, x);
-        go(pass, count, NULL, x);
-        int any = look(pass, count, x, event);
-        if (any && (some = lanes_with(event, count, COARSE, COARSE, lane))) {
-            split_off(x, lane, some, &few);
-            SMOOTH_LOOP(few.m.grid[k] *= 0.5;)
-            march_on(pass, some, events, &few);
-            join(&few, lane, some, x);
-        }
-        if (any && events < MOST_EVENTS && (some = lanes_with(event, count, TURNS, ENDS, lane))) {
-            split_off(x, lane, some, &few);
-            few.by_clock = x->by_clock;
-            go_past(pass, event, lane, some, &few);
-            few.by_clock = 0;
-            march_on(pass, some, events + 1, &few);
-            join(&few, lane, some, x);
-        }
-        if (any) leave(lanes_with(event, count, events < MOST_EVENTS ? ODD : TURNS, ODD, lane), lane, x);
-        accept(count, pass->rubs, event, x);
+        advance(pass, count, x);
         some = 0;
         for (int k = 0; k < count; k++)
             if (x->c.rest[k] > 0.0) lane[some++] = k;
         if (!some) return;
         if (2 * some > count) continue;
         split_off(x, lane, some, &few);
-        march_on(pass, some, events, &few);
+        march_on(pass, some, &few);
         join(&few, lane, some, x);
         return;
     }
@@ -681,7 +698,7 @@ static void run_smooth(const struct scree_contacts *contacts, const struct scree
     begin_lanes(count, step, turns, s->flight, &s->x);
     s->x.by_clock = 0;
     for (int k = 0; k < count; k++) touching |= s->x.c.rest[k] > 0.0;
-    if (touching) march_on(pass, count, 0, &s->x);
+    if (touching) march_on(pass, count, &s->x);
     yield_smooth(s, count, balls, turns, yield, moments);
     rate_contacts(s, count, batch->slope, turns, yield);
 }

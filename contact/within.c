@@ -3,7 +3,9 @@
  * whose variables are overlap and velocity, so that a contact at rest is a fixed point of it to rounding. */
 #include "contact/within.h"
 
-enum { TRIES = 16 }; /* of the searches for an event inside a step; each at least halves its bracket every third time */
+/* Of the searches for an event inside a step, each at least halves its bracket every third time. A ball that bounces to rest within a
+ * step touches a few times; its contacts last, so there is an end to them. */
+enum { TRIES = 16, MOST_TOUCHES = 64 };
 
 static inline double closing_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
     return -vec_dot(at->velocity, p->n);
@@ -379,9 +381,9 @@ static void fly(const struct scree_pair_motion *p, struct scree_pair_instant *at
     sum->lost += before - stored(p, at);
 }
 
-/* The rest of a step, from `start` on, of a contact that touches. */
-static void touch(const struct scree_pair_motion *p, struct scree_pair_instant *at, double start,
-                  struct scree_pair_yield *sum) {
+/* From `start` on, of a contact that touches. Returns when it ends, or that of the step. */
+static double touch(const struct scree_pair_motion *p, struct scree_pair_instant *at, double start,
+                    struct scree_pair_yield *sum) {
     double time = start, grid = (p->step - start) / p->substeps;
     for (int k = 0, turned = 0; time < p->step && k < p->substeps;) {
         struct scree_pair_yield part;
@@ -402,10 +404,7 @@ static void touch(const struct scree_pair_motion *p, struct scree_pair_instant *
         if (bent) turns = 0;
         int ends = !turns && lasting(p, &to) < 0.0;
         if (ends) shorten(p, ENDS, at, near, &piece, &to, &part);
-        if (ends && !(lasting(p, at) > 0.0)) { /* it ends before it begins */
-            fly(p, at, p->step - time, sum);
-            return;
-        }
+        if (ends && !(lasting(p, at) > 0.0)) return time; /* it ends before it begins */
         int slips = shorten_to_slip(p, at, near, &piece, &to, &part);
         if (slips) turns = ends = 0;
         time = turns || bent || ends || slips ? time + piece : goal;
@@ -414,30 +413,31 @@ static void touch(const struct scree_pair_motion *p, struct scree_pair_instant *
         *at = to;
         if (slips) at->sliding = 1.0;
         turned = turns;
-        if (ends) {
-            fly(p, at, p->step - time, sum);
-            return;
-        }
+        if (ends) return time;
         if (time == goal) k = last ? p->substeps : k + 1;
     }
+    return p->step;
 }
 
 /* ---- the beginning ---- */
 
-/* Time at which contact begins within the step, on the parabola of free flight; the step's length if it doesn't. `at` is moved
- * there. */
-static double begin(const struct scree_pair_motion *p, struct scree_pair_instant *at, struct scree_pair_yield *sum) {
+/* When contact begins within the step, in which it is `time` now, on the parabola of free flight; the step's end if it doesn't. `at`
+ * is moved there. */
+static double begin(const struct scree_pair_motion *p, double time, struct scree_pair_instant *at,
+                    struct scree_pair_yield *sum) {
     struct scree_pair_instant from = *at, end = *at;
     struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    double h = p->step, closing = closing_of(p, at), speeding = -vec_dot(p->a, p->n);
-    place(p, &from, h, &nothing, &end);
-    if (!(lasting(p, &end) > 0.0) || end.overlap <= 0.0) return h;
-    double start = 0.0;
+    double left = p->step - time, closing = closing_of(p, at), speeding = -vec_dot(p->a, p->n), start = 0.0;
+    place(p, &from, left, &nothing, &end);
+    if (!(lasting(p, &end) > 0.0) || end.overlap <= 0.0) return p->step;
     if (from.overlap <= 0.0) {
-        double root = closing + sqrt(fmax(closing * closing - 2.0 * speeding * from.overlap, 0.0));
-        start = root > 0.0 ? fmin(-2.0 * from.overlap / root, h) : 0.0;
+        double speed = sqrt(fmax(closing * closing - 2.0 * speeding * from.overlap, 0.0));
+        if (closing < 0.0 && speeding > 0.0)
+            start = fmin((speed - closing) / speeding, left); /* it comes back */
+        else if (closing + speed > 0.0)
+            start = fmin(-2.0 * from.overlap / (closing + speed), left);
     } else { /* overlapping still after its force was cut */
-        double low = 0.0, high = h;
+        double low = 0.0, high = left;
         for (int k = 0; k < 50; k++) {
             start = 0.5 * (low + high);
             place(p, &from, start, &nothing, &end);
@@ -451,7 +451,7 @@ static double begin(const struct scree_pair_motion *p, struct scree_pair_instant
     fly(p, at, start, &flight);
     if (from.overlap <= 0.0) at->overlap = 0.0;
     sum->lost += flight.lost;
-    return start;
+    return time + start;
 }
 
 /* What the normal law remembers of the touch itself: that there is one, how fast they met. */
@@ -470,16 +470,17 @@ struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct
         touches = touches || at->second > 0.0;
     else if (p->normal->cut)
         touches = touches && lasting(p, at) > 0.0;
-    double start = touches ? 0.0 : begin(p, at, &sum);
-    if (start < p->step && p->normal->reach &&
-        !(at->second > 0.0)) { /* bodies that attach are bound at once; books as in loop.c */
-        struct scree_pressing attached = {0.0, 0.0, 0.0, 1.0};
-        sum.lost -= p->normal->stored(p->normal_law, p->normal_pair, attached);
+    double time = 0.0;
+    for (int k = 0; k < MOST_TOUCHES && time < p->step; k++, touches = 0) {
+        double start = touches ? 0.0 : begin(p, time, at, &sum);
+        if (!(start < p->step)) break;
+        if (p->normal->reach && !(at->second > 0.0)) { /* bodies that attach are bound at once; books as in loop.c */
+            struct scree_pressing attached = {0.0, 0.0, 0.0, 1.0};
+            sum.lost -= p->normal->stored(p->normal_law, p->normal_pair, attached);
+        }
+        if (at->overlap == 0.0) meet(p, at);
+        time = touch(p, at, start, &sum);
     }
-    if (start < p->step && at->overlap == 0.0) meet(p, at);
-    if (start < p->step)
-        touch(p, at, start, &sum);
-    else
-        fly(p, at, p->step, &sum);
+    if (time < p->step) fly(p, at, p->step - time, &sum);
     return sum;
 }

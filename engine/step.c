@@ -28,8 +28,8 @@ static int is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]
 static int threads_of(const scree_scene *scene) { return scene->time.threads > 0 ? scene->time.threads : 1; }
 
 /* A list that has outlived its margin is made anew; before, the bodies that moved are looked at: where a number isn't
- * finite, or a body crosses in one step what the list keeps watch over, no list can help. */
-static scree_status renew_list(scree_scene *scene) {
+ * finite, or a body crosses in one step, at its speed of `now`, what the list keeps watch over, no list can help. */
+static scree_status renew_list(scree_scene *scene, const struct scree_bodies *now) {
     const struct scree_bodies *bodies = &scene->bodies;
     for (int k = 0; k < bodies->count; k++) {
         const struct scree_record *record = &bodies->record[k];
@@ -38,7 +38,8 @@ static scree_status renew_list(scree_scene *scene) {
                         "its position or velocity is no longer a finite number; the step is too large or a "
                         "contact too stiff");
         int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
-        double speed = vec_norm(vec_from(record->v)) + (plane ? 0.0 : vec_norm(vec_from(record->w)) * record->bound);
+        struct vec velocity = vec_from(now->record[k].v), spin = vec_from(now->record[k].w);
+        double speed = vec_norm(velocity) + (plane ? 0.0 : vec_norm(spin) * record->bound);
         double hasty = speed * scene->step / scene->contacts.skin;
         if (hasty > scene->hasty) {
             scene->hasty = hasty;
@@ -113,7 +114,7 @@ static scree_status step_by_impulses(scree_scene *scene) {
     double time = scree_scene_time(scene), step = scene->step, gravity[3];
     scree_gravity_at(scene, time + 0.5 * step, gravity);
     if (scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow)) {
-        scree_status status = renew_list(scene);
+        scree_status status = renew_list(scene, &scene->shadow); /* the others' speeds are guesses */
         if (status) return status;
     }
     scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, threads_of(scene));
@@ -168,7 +169,7 @@ static scree_status step_once(scree_scene *scene, int more) {
     double gravity[3];
     scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
     if (look_ahead(scene, gravity)) {
-        status = renew_list(scene);
+        status = renew_list(scene, &scene->bodies);
         if (status) return status;
     }
     act_and_advance(scene, gravity, more && may_hurry(scene));

@@ -9,7 +9,8 @@ CASE   linear (1e5 N/m, e = 0.5), oblique (that, 35 degrees off the normal, fric
 
 1024 spheres at once, 32 phases of first touch in steps that do not divide the contact, four steps for each row of scree and
 two for the others (half a step a contact to either side): the time is that of one contact of one sphere, so that what a
-program spends on each step as a whole is shared by a thousand contacts. Rows "alone": one sphere. Times are of the processor; those of
+program spends on each step as a whole is shared by a thousand contacts, and lists have been made before (of the others,
+the time of a run of no steps is taken off). Rows "alone": one sphere. Times are of the processor; those of
 the others come from one long run (2000 steps a contact) less one of no steps. Errors of the rebound in parts of the speed: those
 of the others are against their own limit for short steps (a comment tells it), so that they are charged with the step alone.
 At the end, for each row of the others, what scree errs at the same run time.'
@@ -23,7 +24,7 @@ cd "$work" || exit 1
 export OMP_NUM_THREADS=1 LC_ALL=C
 density=7161.9724391352911 # 0.03 kg in 4/3 pi (0.01 m)^3
 gamma=786.7259035217465    # 2 zeta sqrt(k/m), zeta = 0.21545376 for e = 0.5
-ladder='20 50 100 200 500' own='3 5 8 12' # steps a contact; those that scree alone takes too
+ladder='20 50 100 200 500' own='1 2 3 5 8 12' # steps a contact; those that scree alone takes too
 fine=20000.37
 
 duration_of() { case $1 in tsuji) echo 1.809764e-3 ;; *) echo 1.762106e-3 ;; esac; }
