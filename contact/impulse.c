@@ -533,6 +533,16 @@ struct stride {
     const struct scree_bodies *now;
 };
 
+/* What a block reads of its partners, before it is due; balls come in rows anyway. */
+static void foresee(const struct scree_bodies *now, const struct scree_contact *contact, int left) {
+    for (int k = 0; k < left && k < SCREE_LANES; k++) {
+        const char *record = (const char *)&now->record[contact[k].host],
+                   *push = (const char *)&now->push[contact[k].host];
+        for (size_t line = 0; line < sizeof(struct scree_record); line += 64) __builtin_prefetch(record + line);
+        for (size_t line = 0; line < sizeof(struct scree_push); line += 64) __builtin_prefetch(push + line, 1);
+    }
+}
+
 static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
                           const struct scree_batch *batch, const struct scree_part *segment, double step,
                           struct scree_tally *tally) {
@@ -543,6 +553,7 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
     for (int done = 0; done < segment->count; done += SCREE_LANES) {
         int left = segment->count - done, first = segment->first + done,
             count = left < SCREE_LANES ? left : SCREE_LANES;
+        foresee(stride->now, &batch->contact[first + count], left - count);
         impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
         clear_turns(batch, first, count, &yield);
         contacts->loop->add_up(bodies, &batch->contact[first], count, batch->any_turns, hosts, &yield, &moments);

@@ -652,6 +652,8 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int far_apart(const struct scree_bodies *now, const struct scree_batch *batch,
                      const struct scree_contact *contact, int index) {
+    for (int m = 0; m < SCREE_PAST; m++)
+        if (batch->past[m][index] != 0.0) return 0;
     const struct scree_record *ball = &now->record[contact->ball], *host = &now->record[contact->host];
     double range = now->push[contact->ball].along[3] + now->push[contact->host].along[3];
     if (batch->geometry == SCREE_BALL_PLANE) {
@@ -661,8 +663,6 @@ static int far_apart(const struct scree_bodies *now, const struct scree_batch *b
         double square = vec_norm2(scree_apart(now, contact, batch->geometry));
         if (!(square > reach * reach) || !(square > (reach + range) * (reach + range))) return 0;
     }
-    for (int m = 0; m < SCREE_PAST; m++)
-        if (batch->past[m][index] != 0.0) return 0;
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (scree_kept(batch, m, index) != 0.0) return 0;
     return 1;

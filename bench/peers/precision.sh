@@ -173,7 +173,7 @@ for case in "$@"; do
     "$build/bench/scree-bench" precision --many 1 --per 500 --case "$(name_of "$case")" | grep -v '^#\|^case,\|reference' |
         sed "s/^$(name_of "$case")/& alone/"
     for program in $programs; do
-        seconds=$(seconds_of "$program" "$case" 1 20000)
+        seconds=$(seconds_of "$program" "$case" 1 200000)
         awk -v case="$(name_of "$case") alone" -v code="$program" -v duration="$(duration_of "$case")" -v s="$seconds" \
             'BEGIN { printf "%s,%s,500,%.4g,,%.4g,%.0f,\n", case, code, duration / 500, s * 500e6, s * 1e9 }'
     done

@@ -164,15 +164,18 @@ static void warn_of_books(const struct run *run) {
                  100.0 * run->worst, run->worst_time, scree_scene_step_length(run->scene));
 }
 
-/* Ten steps follow a contact to some 0.2 % of the speed, five to 2 %. */
+/* Ten steps follow a contact to some 0.2 % of the speed, five to 2 %. Pair impulses follow that of two spheres however long they are. */
 static void warn_of_coarse_step(const struct run *run) {
     const struct scree_step_choice *choice = &run->scene->plan.choice;
     double step = scree_scene_step_length(run->scene);
     if (!(step > choice->duration / 10.0) || run->scene->time.integrator == SCREE_ADAPTIVE) return;
+    const char *which = run->scene->time.integrator == SCREE_PAIR_IMPULSE
+                            ? "impacts of boxes, and of more than two bodies at a time, come out wrong by percents"
+                            : "impacts come out wrong by percents";
     cli_complain("warning: the step of %.3g s is more than a tenth of the shortest contact that can happen (%.3g s, "
-                 "\"%s\" with \"%s\"): impacts come out wrong by percents",
+                 "\"%s\" with \"%s\"): %s",
                  step, choice->duration, scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[0])).text,
-                 scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[1])).text);
+                 scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[1])).text, which);
 }
 
 /* At 0.3 half-widths a step two balls that graze each other are off by 1 % of what they exchange, at 0.95 by 16 %. */
