@@ -190,6 +190,7 @@ static void note_warnings(struct row *row, scree_scene *scene, double largest) {
     const struct scree_step_choice *choice = &scene->plan.choice;
     scree_energy now = energy(scene);
     double share = fabs(now.balance) / (largest + now.lost_normal + now.lost_tangential);
+    if (scree_scene_halvings(scene)) share = fmax(share, scree_books_lack(scene));
     if (share > 0.1)
         snprintf(row->said, sizeof row->said, "scree run warns: the energy books lack %.0f %%", 100.0 * share);
     else if (choice->step > choice->duration / 10.0 && !row->said[0])

@@ -63,6 +63,7 @@ struct scree_watched {
     double since;        /* when, s */
     double balance, lost, driven;
     double motion, least_stored, most_stored;
+    double lacking; /* by which share of what was turned over the books were off before, summed over all halvings */
 };
 
 struct scree_scene {
@@ -111,6 +112,9 @@ struct scree_scene {
 /* Steps without and with the watch that halves the step. */
 scree_status scree_step_plainly(struct scree_scene *scene, long steps);
 scree_status scree_step_watched(struct scree_scene *scene, long steps);
+
+/* By which share of what was turned over the books are off with watch = "halve", all halvings told. */
+double scree_books_lack(scree_scene *scene);
 /* Definition of body k, which must not be baked yet. */
 scree_body_def scree_scene_definition(const struct scree_scene *scene, int k);
 

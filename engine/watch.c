@@ -47,6 +47,7 @@ static scree_status begin_watch(scree_scene *scene) {
     scree_status status = scree_scene_energy(scene, &energy);
     if (status) return status;
     *watched = (struct scree_watched){.halvings = watched->halvings,
+                                      .lacking = watched->lacking,
                                       .begun = 1,
                                       .since = scree_scene_time(scene),
                                       .balance = energy.balance,
@@ -58,13 +59,13 @@ static scree_status begin_watch(scree_scene *scene) {
     return SCREE_OK;
 }
 
-/* What was turned over since: the most that moved, what was stored and released, what contacts took and drives gave. (What is stored
+/* What was turned over since: the most that moved, or was stored and released, what contacts took and drives gave. (What is stored
  * all the time, as in a load at rest, isn't turned over.) */
 static double turned_over(struct scree_watched *watched, const scree_energy *energy) {
     watched->motion = fmax(watched->motion, moving(energy));
     watched->least_stored = fmin(watched->least_stored, energy->stored);
     watched->most_stored = fmax(watched->most_stored, energy->stored);
-    return watched->motion + (watched->most_stored - watched->least_stored) + fabs(lost(energy) - watched->lost) +
+    return fmax(watched->motion, watched->most_stored - watched->least_stored) + fabs(lost(energy) - watched->lost) +
            fabs(energy->driven - watched->driven);
 }
 
@@ -83,18 +84,28 @@ static int can_judge(const scree_scene *scene) {
     return scree_scene_time(scene) - scene->watched.since >= scene->plan.choice.duration;
 }
 
+/* The share by which they are off; 0 if that is too early or too little to say. */
+static double gap_of(scree_scene *scene, const scree_energy *energy) {
+    double turned = turned_over(&scene->watched, energy), gap = fabs(energy->balance - scene->watched.balance);
+    return can_judge(scene) && !(gap <= too_little(scene, energy)) ? gap / turned : 0.0;
+}
+
+double scree_books_lack(scree_scene *scene) {
+    scree_energy energy;
+    if (scree_scene_energy(scene, &energy)) return 0.0;
+    return scene->watched.lacking + gap_of(scene, &energy);
+}
+
 /* SCREE_FAILED if the books are off, since the start or the last halving, by too large a share of what was turned over. */
 static scree_status check_books(scree_scene *scene) {
     scree_energy energy;
     scree_status status = scree_scene_energy(scene, &energy);
     if (status) return status;
-    double turned = turned_over(&scene->watched, &energy), gap = energy.balance - scene->watched.balance;
-    if (!can_judge(scene) || fabs(gap) <= tolerable_gap * turned + too_little(scene, &energy))
-        return SCREE_OK; /* a NaN isn't */
+    double gap = energy.balance - scene->watched.balance, share = gap_of(scene, &energy);
+    if (share <= tolerable_gap) return SCREE_OK; /* a NaN isn't */
     scree_report(&scene->trouble, SCREE_FAILED, NULL,
                  "stopped at t = %.9g s: %.3g J of energy have %s, %.3g %% of what was turned over: too long a step",
-                 scree_scene_time(scene), fabs(gap), gap < 0.0 ? "vanished" : "come from nowhere",
-                 100.0 * fabs(gap) / turned);
+                 scree_scene_time(scene), fabs(gap), gap < 0.0 ? "vanished" : "come from nowhere", 100.0 * share);
     scene->trouble.time = scree_scene_time(scene);
     scene->trouble.body = scene->trouble.other = -1;
     return SCREE_FAILED;
@@ -160,6 +171,7 @@ static scree_status halve(scree_scene *scene) {
     scree_status status = restore(scene);
     if (status) return status;
     struct scree_watched *watched = &scene->watched;
+    if (watched->begun) watched->lacking = scree_books_lack(scene);
     scene->step = scene->plan.choice.step = 0.5 * scene->step;
     scene->contacts.step = scene->step;
     scene->steps *= 2;

@@ -404,6 +404,8 @@ static void test_squeezed(void) {
         double most = 0.0;
         CHECK(reach(scene, 0.01, 0.01 / calls));
         CHECK(scree_scene_halvings(scene) > 0);
+        double lack = scree_books_lack(scene); /* at most a tenth is kept at each halving, and of what came since */
+        CHECK(lack > 0.0 && lack <= 0.1 * (scree_scene_halvings(scene) + 1));
         for (int k = 0; k < 1000; k++) {
             go(scene, 1);
             most = fmax(most, fabs(state_of(scene, "ball").position[2] - 0.009));

@@ -150,8 +150,21 @@ static void warn_of_chatter(const scree_scene *scene) {
                  scree_scene_step_length(scene) / steepest);
 }
 
+/* What was off before each halving stays in the result. */
+static void warn_of_halvings(const struct run *run) {
+    double lack = run->halvings > 0 ? scree_books_lack(run->scene) : 0.0;
+    if (lack <= tolerable_gap) return;
+    cli_complain("warning: over all halvings the energy books were off by %.3g %% of what was turned over: the result "
+                 "is wrong by up to as "
+                 "much; to begin with a step of %.3g s avoids it",
+                 100.0 * lack, scree_scene_step_length(run->scene));
+}
+
 static void warn_of_books(const struct run *run) {
-    if (run->worst <= tolerable_gap) return;
+    if (run->worst <= tolerable_gap) {
+        warn_of_halvings(run);
+        return;
+    }
     if (run->scene->time.integrator == SCREE_ADAPTIVE) {
         cli_complain(
             "warning: the energy books lack %.3g %% of what was turned over (worst at t = %.6g s): the result is "
