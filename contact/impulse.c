@@ -91,11 +91,26 @@ struct view {
         turn_host; /* of edges on edges: beyond what the normal force does at the arm, per 1 N */
 };
 
-static struct view view_of_crossing(const struct scree_two_boxes *boxes, const struct scree_contact *contact,
+/* Two boxes as the contacts before had them: a pair's contacts follow one another. */
+struct pair_of_boxes {
+    int ball, host; /* -1: none yet */
+    int rectangles; /* whether they meet as rectangles; -1: not looked at yet */
+    struct scree_two_boxes boxes;
+};
+
+static void bring_boxes(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                        struct pair_of_boxes *pair) {
+    if (pair->ball == contact->ball && pair->host == contact->host) return;
+    *pair = (struct pair_of_boxes){contact->ball, contact->host, -1, scree_deep_boxes_of(bodies, contact)};
+}
+
+static struct view view_of_crossing(struct pair_of_boxes *pair, const struct scree_contact *contact,
                                     enum scree_geometry geometry) {
+    const struct scree_two_boxes *boxes = &pair->boxes;
     struct scree_crossing c = {.meeting = {vec(0.0, 0.0, 1.0), SCREE_OUTSIDE}};
-    if (geometry == SCREE_BALL_BOX || !scree_meet_as_rectangles(boxes, (struct scree_rectangles){0, 0, 1}))
-        c = scree_cross(boxes, contact, geometry);
+    if (geometry == SCREE_EDGE_EDGE && pair->rectangles < 0)
+        pair->rectangles = scree_meet_as_rectangles(boxes, (struct scree_rectangles){0, 0, 1});
+    if (geometry == SCREE_BALL_BOX || !pair->rectangles) c = scree_cross(boxes, contact, geometry);
     struct vec n = c.meeting.normal, apart = boxes->apart;
     struct view view = {.normal = n, .arm = c.point, .apart = apart, .overlap = c.meeting.overlap};
     if (!(view.overlap > 0.0)) return view;
@@ -106,10 +121,10 @@ static struct view view_of_crossing(const struct scree_two_boxes *boxes, const s
 }
 
 static struct view view_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                           enum scree_geometry geometry) {
+                           enum scree_geometry geometry, struct pair_of_boxes *pair) {
     if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
-        struct scree_two_boxes boxes = scree_deep_boxes_of(bodies, contact);
-        if (geometry == SCREE_EDGE_EDGE || boxes.inset.by > 0.0) return view_of_crossing(&boxes, contact, geometry);
+        bring_boxes(bodies, contact, pair);
+        if (geometry == SCREE_EDGE_EDGE || pair->boxes.inset.by > 0.0) return view_of_crossing(pair, contact, geometry);
     }
     const struct scree_record *ball = &bodies->record[contact->ball];
     struct vec corner = scree_corner_of(bodies, contact, geometry);
@@ -132,6 +147,7 @@ struct place {
     int index, lane; /* in the batch; in what follows */
     struct scree_yield *yield;
     struct scree_moments *moments;
+    struct pair_of_boxes *pair; /* two: at the start of the step, and in its middle */
 };
 
 static struct scree_pair_motion laws_of(const struct scree_contacts *contacts, struct place at) {
@@ -390,9 +406,9 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
                   const struct scree_bodies *bodies_now, struct place place, double step, struct outcome *o) {
     const struct scree_batch *batch = place.batch;
     const struct scree_contact *contact = &batch->contact[place.index];
-    struct view now = o->now = view_of(bodies_now, contact, batch->geometry);
+    struct view now = o->now = view_of(bodies_now, contact, batch->geometry, &place.pair[0]);
     if (idle(bodies, place, now.overlap)) return 0;
-    struct view middle = view_of(bodies, contact, batch->geometry);
+    struct view middle = view_of(bodies, contact, batch->geometry, &place.pair[1]);
     /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step counts. */
     if (vec_dot(now.normal, middle.normal) < 0.9 || middle.overlap < 0.5 * SCREE_OUTSIDE) middle = now;
     o->middle = middle;
@@ -465,9 +481,10 @@ static void impel_lanes(const struct scree_contacts *contacts, const struct scre
                         double step, struct scree_yield *yield, struct scree_moments *moments) {
     const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
     struct scree_pair_yield books[SCREE_LANES];
+    struct pair_of_boxes pair[2] = {{.ball = -1}, {.ball = -1}};
     struct outcome o;
     for (int lane = 0; contacts->measured && lane < count; lane++) {
-        struct place place = {batch, first + lane, lane, yield, moments};
+        struct place place = {batch, first + lane, lane, yield, moments, pair};
         books[lane] = (struct scree_pair_yield){.lost = 0.0};
         if (reckon(contacts, bodies, now, place, step, &o)) books[lane] = o.sum;
     }
@@ -476,7 +493,7 @@ static void impel_lanes(const struct scree_contacts *contacts, const struct scre
     uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
     for (int lane = 0; lane < count; lane++) {
         if (left >> lane & 1) {
-            impel(contacts, bodies, now, (struct place){batch, first + lane, lane, yield, moments}, step);
+            impel(contacts, bodies, now, (struct place){batch, first + lane, lane, yield, moments, pair}, step);
         } else if (contacts->measured) {
             yield->lost_normal += books[lane].lost;
             yield->work_tangential += books[lane].rubbed;
