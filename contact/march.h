@@ -1,0 +1,418 @@
+/* Contacts of smooth.c on their way through a step: lanes go on by steps of Runge and Kutta, each of its own length. What happens in one
+ * (contact ends, a slider breaks loose or holds again, approach turns into parting) is located; lanes to which something happens wait until
+ * nothing else goes on in their block, and go past it together. */
+#ifndef SCREE_CONTACT_MARCH_H
+#define SCREE_CONTACT_MARCH_H
+
+#include "contact/lane.h"
+
+#include <stddef.h>
+
+/* Loops over lanes with the laws in them. */
+struct smooth_loops {
+    void (*rates)(const struct scree_rule *rule, double slope, double step, int asked, int count, struct course *c,
+                  struct motion *m);
+    void (*go)(const struct scree_rule *rule, struct motion *m, int count, double step, struct course *c,
+               struct stride *to);
+    void (*tick)(const struct scree_rule *rule, struct motion *m, int count, double step, struct course *c,
+                 struct stride *to);
+};
+
+#define SMOOTH_LOOP(...)                                                                                               \
+    _Pragma("omp simd")                                                                                                \
+    for (int k = 0; k < padded(count); k++) __VA_ARGS__
+
+/* The contacts of a rule in a step. */
+struct smooth_pass {
+    const struct smooth_loops *loops; /* NULL: there are none */
+    const struct scree_rule *rule;
+    double step;
+    int substeps; /* as asked for; 0: as many as needed */
+    int cut, turns, root, rubs;
+    int ticks; /* there are steps by the clock of a root */
+};
+
+/* Copies lanes of columns. */
+static void pick_lanes(const void *from, const int *lane, int count, size_t size, void *to) {
+    const double *source = from;
+    double *target = to;
+    for (size_t c = 0; c < size / sizeof(double); c += SCREE_LANES)
+        for (int i = 0; i < count; i++) target[c + (size_t)i] = source[c + (size_t)lane[i]];
+}
+
+static void return_lanes(const void *from, const int *lane, int count, size_t size, void *to) {
+    const double *source = from;
+    double *target = to;
+    for (size_t c = 0; c < size / sizeof(double); c += SCREE_LANES)
+        for (int i = 0; i < count; i++) target[c + (size_t)lane[i]] = source[c + (size_t)i];
+}
+
+/* ---- on the way ---- */
+
+/* Contacts on their way. */
+struct march {
+    struct motion m;
+    struct course c;
+    struct stride to;
+    int by_clock; /* steps by the clock of a root of the overlap: all are behind its begin (1) or before its end (-1); 0: they aren't */
+};
+
+/* What happens in a step of Runge-Kutta: nothing; it is too long; approach turns into parting where the law isn't smooth there; a
+ * slider breaks loose, or holds again; contact ends; or what is left to within.c. */
+enum { NOTHING, COARSE, TURNS, SLIPS, ENDS, ODD };
+
+/* So many events of a contact are gone past in a step, what has more is left to within.c; so many tries find one. */
+enum { MOST_EVENTS = 8, TRIES = 40 };
+
+/* Free flight up to the touch, on a parabola, of what touches in the step; `rest` of all others is zero. */
+static SCREE_INLINE void begin_lane(int k, double step, double flight, int rubs, struct motion *m, struct course *c) {
+    double d = c->d[k], u = c->u[k], a = m->closing[k], square = u * u - 2.0 * a * d;
+    double root = u + sqrt(square > 0.0 ? square : 0.0), start = -2.0 * d / (root + SCREE_NO_SPEED);
+    int touches = d > 0.0, begins = !touches & (flight > 0.0), thrown_back = !(root > 0.0) | (u + step * a <= 0.0);
+    /* What overlaps still after its end flies on, unless it may be pushed together again. */
+    double pushed = a > 0.0 ? m->pushes[0][k] + 2.0 * a * m->pushes[1][k] : m->pushes[0][k];
+    int ended = c->odd[k] > 0.0, flies = ended & (u + step * a < 0.0) & (u < 0.0) & (pushed < 0.0);
+    double odd = ((begins & thrown_back) | (ended & !flies)) ? 1.0 : 0.0;
+    start = start < step ? start : step;
+    start = touches ? 0.0 : start;
+    c->odd[k] = odd;
+    c->rest[k] = ((touches | begins) & !ended & !(odd > 0.0)) ? step - start : 0.0;
+    c->d[k] = begins ? 0.0 : d;
+    c->u[k] = begins ? u + start * a : u;
+    if (!rubs) return;
+    int holds = touches & !flies;
+    struct vec none = {0.0, 0.0, 0.0}, v = get(c->v, k), flown = vec_axpy(v, start, get(m->aside, k));
+    put(c->v, k, begins ? flown : v);
+    put(c->s, k, holds ? get(c->s, k) : none);
+    c->slides[k] = holds ? c->slides[k] : 0.0;
+}
+
+static void begin_lanes(int count, double step, int rubs, const double *flight, struct march *x) {
+    if (rubs)
+        SMOOTH_LOOP(begin_lane(k, step, flight[k], 1, &x->m, &x->c);)
+    else
+        SMOOTH_LOOP(begin_lane(k, step, flight[k], 0, &x->m, &x->c);)
+    for (int k = count; k < padded(count); k++) x->c.rest[k] = 0.0;
+}
+
+/* So many steps of the grid behind a begin go by the clock; further on the force is smooth enough without. */
+static const double clocked = 3.0;
+
+/* The way that the clock goes: behind a begin that far, before an end up to that of the step. */
+static SCREE_INLINE double way_by_clock(const struct march *x, int k) {
+    double rest = x->c.rest[k], most = clocked * x->m.grid[k];
+    return x->by_clock > 0 && most < rest ? most : rest;
+}
+
+/* The next step: what is left, in equal parts no longer than the grid's. */
+static void stride_out(int count, struct march *x) {
+    SMOOTH_LOOP({
+        double rest = x->c.rest[k];
+        int parts = 1 + (int)(rest / x->m.grid[k] * (1.0 - 1e-12));
+        x->to.time[k] = x->by_clock ? way_by_clock(x, k) : rest / parts;
+    })
+}
+
+/* What has happened in it. Returns whether anything has. With friction, a step may be too long. */
+static int look(const struct smooth_pass *pass, int count, const struct march *x, double *event) {
+    const struct course *c = &x->c;
+    const struct stride *to = &x->to;
+    int turning = pass->turns, rubs = pass->rubs, control = rubs && !pass->substeps, any = 0;
+    _Pragma("omp simd reduction(| : any)")
+    for (int k = 0; k < padded(count); k++) {
+        double time = to->time[k];
+        int coarse = control & (to->coarse[k] > 0.0) & (x->m.grid[k] > 0.75 * pass->step);
+        double before = to->turns[0][k], after = to->turns[1][k];
+        int moves = rubs | (c->u[k] * time > 1e-12 * c->d[k]); /* rest isn't a turn */
+        int turns = turning & (after < 0.0) & (before > -1e-10 * after) & moves;
+        int slips = rubs & (to->holds[1][k] < 0.0), ends = to->lasts[1][k] < 0.0;
+        int odd = (ends & !turns & !slips & !(to->lasts[0][k] > 0.0)) | !(c->d[k] >= 0.0);
+        double what = ends ? ENDS : NOTHING;
+        what = turns ? TURNS : what;
+        what = slips ? SLIPS : what;
+        what = coarse ? COARSE : what;
+        what = odd ? ODD : what;
+        event[k] = time > 0.0 ? what : NOTHING;
+        any |= event[k] > 0.0;
+    }
+    return any;
+}
+
+/* Take the step in lanes in which nothing has happened. */
+static void accept(int count, int rubs, const double *event, struct march *x) {
+    struct course *c = &x->c;
+    const struct stride *to = &x->to;
+    SMOOTH_LOOP({
+        int takes = (event[k] == NOTHING) & (to->time[k] > 0.0);
+        double left = c->rest[k] - to->time[k], press = to->press[k], moment = to->press_moment[k] + left * press;
+        c->press[k] += takes ? press : 0.0;
+        c->press_moment[k] += takes ? moment : 0.0;
+        c->d[k] = takes ? to->d[k] : c->d[k];
+        c->u[k] = takes ? to->u[k] : c->u[k];
+        c->rest[k] = takes ? left : c->rest[k];
+    })
+    if (!rubs) return;
+    SMOOTH_LOOP({
+        int takes = (event[k] == NOTHING) & (to->time[k] > 0.0);
+        double left = c->rest[k]; /* set above */
+        for (int i = 0; i < 3; i++) {
+            double rub = to->rub[i][k], moment = to->rub_moment[i][k] + left * rub;
+            c->rub[i][k] += takes ? rub : 0.0;
+            c->rub_moment[i][k] += takes ? moment : 0.0;
+            c->deep[i][k] += takes ? to->deep[i][k] : 0.0;
+            c->v[i][k] = takes ? to->v[i][k] : c->v[i][k];
+            c->q[i][k] = takes ? to->q[i][k] : c->q[i][k];
+            c->s[i][k] = takes ? to->s[i][k] : c->s[i][k];
+        }
+        c->slides[k] = takes ? to->slides[k] : c->slides[k];
+    })
+}
+
+/* Set the clock of a lane for its step: time since the begin of the root, or until its end, which is reckoned with the speed of now unless
+ * it is known to be that of the step. Returns the number of its own steps, for a root that is near and one that isn't. */
+static int set_clock(const struct smooth_pass *pass, int k, int ends, struct march *x) {
+    struct stride *to = &x->to;
+    double time = to->time[k], away = fabs(x->c.d[k] / x->c.u[k]), over = away - time, way = way_by_clock(x, k);
+    over = ends || !(over > 0.0) ? 0.0 : over;
+    double other = x->by_clock > 0 ? away : over, near = sqrt(other / (time + other));
+    if (pass->root == 4) near = sqrt(near);
+    int parts = 1 + (int)(way / x->m.grid[k] * (1.0 - 1e-12)), pieces = other < 1.5 * way ? 2 + 2 * parts : parts;
+    to->span[k] = x->by_clock * (time + other);
+    to->offset[k] = x->by_clock > 0 ? -other : time + other;
+    to->sigma[k] = x->by_clock > 0 ? near : 1.0;
+    to->size[k] = x->by_clock * (1.0 - near) / pieces;
+    return pieces;
+}
+
+/* The step of all lanes by the clock of a root. */
+static void tick(const struct smooth_pass *pass, int count, const int *ends, struct march *x) {
+    struct stride *to = &x->to;
+    int pieces[SCREE_LANES], most = 0;
+    double time[SCREE_LANES];
+    for (int k = 0; k < padded(count); k++) {
+        pieces[k] = set_clock(pass, k, ends && ends[k], x);
+        if (pieces[k] > most) most = pieces[k];
+    }
+    memcpy(time, to->time, sizeof time);
+    memset(to->time, 0, sizeof to->time); /* what is at the begin; nothing has been yielded */
+    pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, to);
+    memcpy(to->time, time, sizeof time);
+    for (int piece = 0; piece < most; piece++) {
+        for (int k = 0; k < padded(count); k++)
+            if (piece == pieces[k]) to->size[k] = 0.0;
+        pass->loops->tick(pass->rule, &x->m, count, pass->step, &x->c, to);
+    }
+}
+
+/* `ends`: lanes in which contact is to end with the step; NULL: none. */
+static void go(const struct smooth_pass *pass, int count, const int *ends, struct march *x) {
+    if (x->by_clock)
+        tick(pass, count, ends, x);
+    else
+        pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, &x->to);
+}
+
+/* What is positive before an event and negative behind it, at the begin (0) or the end (1) of the step. */
+static double still(const struct march *x, int k, int event, int end) {
+    if (event == TURNS) return x->to.turns[end][k];
+    return event == SLIPS ? x->to.holds[end][k] : x->to.lasts[end][k];
+}
+
+/* An event between two times, and the values there; `kept`: which end has been kept in the try before. */
+struct bracket {
+    double low, high, at_low, at_high;
+    int kept;
+};
+
+/* Regula falsi with the weights of Anderson & Bjoerck, BIT 13 (1973) 253: the value of an end that is kept twice is cut by as much as the
+ * other one has fallen. */
+static double cut_of(double value, double before) {
+    double cut = 1.0 - value / before;
+    return cut > 0.0 ? cut : 0.5;
+}
+
+static void narrow(double t, double value, struct bracket *in) {
+    if (value > 0.0) {
+        if (in->kept > 0 && in->at_low > 0.0) in->at_high *= cut_of(value, in->at_low);
+        in->low = t;
+        in->at_low = value;
+        in->kept = 1;
+    } else {
+        if (in->kept < 0 && in->at_high < 0.0) in->at_low *= cut_of(value, in->at_high);
+        in->high = t;
+        in->at_high = value;
+        in->kept = -1;
+    }
+}
+
+static double guess(const struct bracket *in, int bisect) {
+    double t = in->high - in->at_high * (in->high - in->low) / (in->at_high - in->at_low);
+    return !bisect && t > in->low && t < in->high ? t : 0.5 * (in->low + in->high);
+}
+
+/* Shorten the steps over whose course events happen, so that they end there. What should have happened before they begin happens where they
+ * do; from a value of zero it may have risen first, but not for less than a millionth of the step. */
+static void shorten(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
+    struct bracket in[SCREE_LANES];
+    double size[SCREE_LANES];
+    int open = 0, anew = 0, is_open[SCREE_LANES], what[SCREE_LANES], ends[SCREE_LANES];
+    for (int k = 0; k < padded(count); k++) {
+        what[k] = (int)event[k];
+        ends[k] = what[k] == ENDS;
+        in[k] = (struct bracket){0.0, x->to.time[k], still(x, k, what[k], 0), still(x, k, what[k], 1), 0};
+        size[k] = in[k].at_low - in[k].at_high;
+        open |= is_open[k] = what[k] != NOTHING && in[k].at_low >= 0.0;
+        if (what[k] == NOTHING || is_open[k]) continue;
+        x->to.time[k] = 0.0;
+        anew = 1;
+    }
+    for (int try = 0; open && try < TRIES; try++) {
+        open = 0;
+        for (int k = 0; k < padded(count); k++)
+            if (is_open[k]) x->to.time[k] = guess(&in[k], try % 6 == 5);
+        go(pass, count, ends, x);
+        for (int k = 0; k < padded(count); k++) {
+            if (!is_open[k]) continue;
+            double value = still(x, k, what[k], 1);
+            int found = fabs(value) <= 1e-11 * size[k];
+            narrow(x->to.time[k], value, &in[k]);
+            if (in[k].high - in[k].low > (in[k].at_low > 0.0 ? 1e-14 : 1e-6) * pass->step) {
+                open |= is_open[k] = !found;
+            } else {
+                anew |= x->to.time[k] != in[k].high;
+                x->to.time[k] = in[k].high;
+                is_open[k] = 0;
+            }
+        }
+    }
+    for (int k = 0; k < padded(count); k++) {
+        if (!is_open[k]) continue;
+        x->to.time[k] = in[k].high;
+        anew = 1;
+    }
+    if (anew) go(pass, count, ends, x);
+}
+
+/* After its end a contact flies; if that leads back to the touch within the step, it goes on from there. */
+static void fly_on(int k, int rubs, struct march *x) {
+    struct course *c = &x->c;
+    double d = c->d[k], u = c->u[k], a = x->m.closing[k], square = u * u - 2.0 * a * d;
+    double back = square > 0.0 ? sqrt(square) : 0.0, flight = (back - u) / a;
+    int touches = a > 0.0 && u < 0.0 && back > 0.0 && flight < c->rest[k];
+    c->rest[k] = touches ? c->rest[k] - flight : 0.0;
+    c->d[k] = touches ? 0.0 : d;
+    c->u[k] = touches ? back : u;
+    if (!rubs) return;
+    if (touches) put(c->v, k, vec_axpy(get(c->v, k), flight, get(x->m.aside, k)));
+    put(c->s, k, vec(0.0, 0.0, 0.0));
+    c->slides[k] = 0.0;
+}
+
+/* What an event changes. */
+static void pass_event(int count, int rubs, const double *event, struct march *x) {
+    struct course *c = &x->c;
+    for (int k = 0; k < padded(count); k++) {
+        if (event[k] == ENDS) fly_on(k, rubs, x);
+        if (event[k] == SLIPS) c->slides[k] = c->slides[k] > 0.0 ? 0.0 : 1.0;
+    }
+}
+
+/* Some of the lanes by themselves, and back; padding repeats the last. */
+static void split_off(const struct march *x, int *lane, int count, struct march *few) {
+    for (int k = count; k < padded(count); k++) lane[k] = lane[count - 1];
+    pick_lanes(x, lane, padded(count), offsetof(struct march, to), few);
+    few->by_clock = 0;
+}
+
+static void join(const struct march *few, const int *lane, int count, struct march *x) {
+    return_lanes(&few->m.grid, lane, count, sizeof few->m.grid, &x->m.grid);
+    return_lanes(&few->c, lane, count, sizeof few->c, &x->c);
+}
+
+static void leave(int k, struct march *x) {
+    x->c.odd[k] = 1.0;
+    x->c.rest[k] = 0.0;
+}
+
+/* Lanes near the begin of a root of the overlap (side 1), or near its end (-1); left where the laws have no clock. */
+static int lanes_near(const struct smooth_pass *pass, int count, int side, struct march *x, int *near) {
+    int nears = 0;
+    if (side < 0 && pass->cut) return 0;
+    for (int k = 0; k < count; k++) {
+        double rest = x->c.rest[k], grid = x->m.grid[k], d = x->c.d[k], u = side * x->c.u[k];
+        double within = side < 0 ? 7.0 * rest : clocked * (rest < grid ? rest : grid);
+        if (rest > 0.0 && u > 0.0 && d < within * u) near[nears++] = k;
+    }
+    if (pass->ticks) return nears;
+    for (int i = 0; i < nears; i++) leave(near[i], x);
+    return 0;
+}
+
+/* Past the events of the step that was tried; lanes without one stay where they are. */
+static void go_past(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
+    const double none[SCREE_LANES] = {0.0};
+    double own[SCREE_LANES], first[SCREE_LANES];
+    int again = 0;
+    for (int k = 0; k < padded(count); k++) {
+        own[k] = event[k] >= TURNS && event[k] <= ENDS && x->c.rest[k] > 0.0 ? event[k] : NOTHING;
+        if (own[k] == NOTHING) x->to.time[k] = 0.0;
+    }
+    shorten(pass, count, own, x);
+    for (int k = 0; k < padded(count); k++) { /* sliding, or pressing, may go on until there is no contact any more */
+        int until_end = pass->rubs && (own[k] == TURNS || (own[k] == SLIPS && x->c.slides[k] > 0.0));
+        int ended = until_end && x->to.lasts[1][k] <= 0.0;
+        again |= ended;
+        own[k] = ended ? ENDS : own[k];
+        first[k] = ended ? ENDS : NOTHING;
+    }
+    if (again) shorten(pass, count, first, x);
+    accept(count, pass->rubs, none, x);
+    pass_event(count, pass->rubs, own, x);
+    for (int k = 0; k < padded(count); k++) x->c.events[k] += own[k] != NOTHING;
+}
+
+/* One step of all lanes. Where something happens, lanes wait until nothing else goes on any more: then they all go past it. */
+static void advance(const struct smooth_pass *pass, int count, struct march *x) {
+    double event[SCREE_LANES] = {0.0};
+    int goes_on = 0;
+    stride_out(count, x);
+    go(pass, count, NULL, x);
+    int any = look(pass, count, x, event);
+    accept(count, pass->rubs, event, x);
+    if (!any) return;
+    for (int k = 0; k < padded(count); k++) {
+        int odd = event[k] == ODD || (event[k] >= TURNS && x->c.events[k] >= MOST_EVENTS);
+        if (odd) leave(k, x);
+        if (event[k] == COARSE) x->m.grid[k] *= 0.5;
+        goes_on |= event[k] <= COARSE && x->c.rest[k] > 0.0;
+    }
+    if (!goes_on || x->by_clock) go_past(pass, count, event, x);
+}
+
+/* All lanes to the end of the step. */
+static void march_on(const struct smooth_pass *pass, int count, struct march *x) {
+    struct march few;
+    int lane[SCREE_LANES], some;
+    for (;;) {
+        for (int side = 1; side >= -1 && pass->root >= 2; side -= 2) {
+            while ((some = lanes_near(pass, count, side, x, lane))) {
+                split_off(x, lane, some, &few);
+                few.by_clock = side;
+                advance(pass, some, &few);
+                join(&few, lane, some, x);
+            }
+        }
+        advance(pass, count, x);
+        some = 0;
+        for (int k = 0; k < count; k++)
+            if (x->c.rest[k] > 0.0) lane[some++] = k;
+        if (!some) return;
+        if (2 * some > count) continue;
+        split_off(x, lane, some, &few);
+        march_on(pass, some, &few);
+        join(&few, lane, some, x);
+        return;
+    }
+}
+
+#endif
