@@ -113,8 +113,10 @@ struct scree_scene {
 scree_status scree_step_plainly(struct scree_scene *scene, long steps);
 scree_status scree_step_watched(struct scree_scene *scene, long steps);
 
-/* By which share of what was turned over the books are off with watch = "halve", all halvings told. */
+/* By which share of what was turned over the books are off with watch = "halve": the shares kept at each halving, and that since the
+ * last, added up. 0 if there is no memory to reckon it. */
 double scree_books_lack(scree_scene *scene);
+
 /* Definition of body k, which must not be baked yet. */
 scree_body_def scree_scene_definition(const struct scree_scene *scene, int k);
 

@@ -155,8 +155,7 @@ static void warn_of_halvings(const struct run *run) {
     double lack = run->halvings > 0 ? scree_books_lack(run->scene) : 0.0;
     if (lack <= tolerable_gap) return;
     cli_complain("warning: over all halvings the energy books were off by %.3g %% of what was turned over: the result "
-                 "is wrong by up to as "
-                 "much; to begin with a step of %.3g s avoids it",
+                 "is wrong by up to as much; to begin with a step of %.3g s avoids it",
                  100.0 * lack, scree_scene_step_length(run->scene));
 }
 
