@@ -30,7 +30,7 @@ static const struct {
 };
 
 static const char scene_text[] =
-    "[time]\nend = 1.0\n[[material]]\nname = \"ball\"\n[[material]]\nname = \"wall\"\n"
+    "[time]\nintegrator = \"verlet\"\nend = 1.0\n[[material]]\nname = \"ball\"\n[[material]]\nname = \"wall\"\n"
     "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
     "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nmass = 0.03\n"
     "position = [0, 0, 0.0105]\nvelocity = [0, 0, -1]\n"

@@ -26,11 +26,11 @@ static const char linear[] = "law = \"linear\", stiffness = 1e4, restitution = 0
 static scree_scene *make_scene(const char *normal, const char *kind, const char *law) {
     char *text = malloc(MOST_TEXT);
     if (!text) exit(EXIT_MISSED);
-    size_t used =
-        (size_t)snprintf(text, MOST_TEXT,
-                         "[time]\nend = 1.0\nstep = 1e-6\nforce = true\n[output]\nwrite = []\n[[material]]\nname = "
-                         "\"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { %s }\n",
-                         normal);
+    size_t used = (size_t)snprintf(text, MOST_TEXT,
+                                   "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-6\nforce = "
+                                   "true\n[output]\nwrite = []\n[[material]]\nname = "
+                                   "\"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { %s }\n",
+                                   normal);
     if (law) used += (size_t)snprintf(text + used, MOST_TEXT - used, "%s = { %s }\n", kind, law);
     for (int k = 0; k < 2 * PAIRS; k++)
         used += (size_t)snprintf(text + used, MOST_TEXT - used,

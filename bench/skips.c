@@ -21,7 +21,7 @@ static const char help[] =
 
 #define MATERIALS "[[material]]\nname = \"ball\"\ndensity = 2000\n[[material]]\nname = \"wall\"\n"
 #define MOTION    "[[motion]]\nname = \"still\"\nkind = \"velocity\"\nvelocity = 0.0\n"
-#define TIME      "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 2e-5\n[output]\nwrite = []\n"
+#define TIME      "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 2e-5\n[output]\nwrite = []\n"
 #define CONTACTS                                                                                                       \
     "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { law = \"linear-cut\", stiffness = 5e3, restitution = "    \
     "0.6 }\n"                                                                                                          \

@@ -107,10 +107,10 @@ __attribute__((format(printf, 2, 3))) static void add(struct text *text, const c
 static void head_on_slope(struct text *text, double along, double gravity, const char *time, const char *laws) {
     text->size = 0;
     add(text,
-        "gravity = [%.17g, 0, %.17g]\n[time]\nend = 1.0\n%s\n[output]\nwrite = [\"energy.csv\"]\n"
+        "gravity = [%.17g, 0, %.17g]\n[time]\nend = 1.0\n%s%s\n[output]\nwrite = [\"energy.csv\"]\n"
         "[[material]]\nname = \"m\"\ndensity = 2000\n[[material]]\nname = \"floor\"\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\n%s\n",
-        along, -gravity, time, laws);
+        along, -gravity, time, strstr(time, "integrator") ? "" : "\nintegrator = \"verlet\"", laws);
 }
 
 static void head(struct text *text, double gravity, const char *time, const char *laws) {

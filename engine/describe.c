@@ -164,7 +164,7 @@ static void describe_rule_of_step(const scree_scene *scene, FILE *file) {
         return;
     }
     fprintf(file, "  rule: rebounds within %g of the impact speed, by trial impacts%s%s\n", scene->time.accuracy,
-            scene->contacts.rules && scene->time.any_integrator ? ", with the integrator that is the cheaper" : "",
+            scene->contacts.rules && scene->plan.any_integrator ? ", with the integrator that is the cheaper" : "",
             cut);
     for (int k = 0; k < scene->contacts.rules; k++) describe_trial(scene, &scene->plan.trial[k], file);
 }
@@ -208,12 +208,13 @@ static void describe_step(const scree_scene *scene, FILE *file) {
         describe_adaptive(scene, file);
         return;
     }
+    int chosen = scene->plan.any_integrator && !scene->plan.trial; /* else the trials say why */
     if (scene->time.integrator == SCREE_PAIR_IMPULSE)
-        fprintf(file, "integrator: pair-impulse, %d substep%s of a contact in a step, with friction %d\n",
-                scene->time.substeps ? scene->time.substeps : 1, scene->time.substeps > 1 ? "s" : "",
-                scene->time.substeps ? scene->time.substeps : 2);
+        fprintf(file, "integrator: pair-impulse%s, %d substep%s of a contact in a step, with friction %d\n",
+                chosen ? " (left out: few spheres)" : "", scene->time.substeps ? scene->time.substeps : 1,
+                scene->time.substeps > 1 ? "s" : "", scene->time.substeps ? scene->time.substeps : 2);
     else
-        fprintf(file, "integrator: verlet\n");
+        fprintf(file, "integrator: verlet%s\n", chosen ? " (left out: many bodies, or boxes)" : "");
     fprintf(file, "step: %.9g s, %s\n", choice->step,
             scene->plan.trial   ? "by accuracy"
             : choice->automatic ? "automatic"

@@ -14,6 +14,8 @@
 static const double steps_per_contact = 50.0, share_of_limit = 0.2, share_of_impulse_limit = 0.5;
 static const double pi = 3.14159265358979323846;
 
+enum { few_spheres = 1000 };
+
 /* Time of a step of pair impulses over that of a Verlet step, without and with friction, for choosing between them: of impacts 3.2
  * to 4.3 and 5 to 8, of a box that slides 16 (scree-bench precision, data/bench/precision.csv). */
 static const double cost_of_impulses[2] = {3.5, 10.0};
@@ -374,6 +376,18 @@ static double stable_share(const struct scree_scene *scene) {
     return share * scene->plan.choice.limit;
 }
 
+/* Few spheres: each impact counts, and pair impulses give it more digits for the time it takes. Many, in steady contact, are computed
+ * for their mean, which Verlet gets faster; boxes keep more of their energy with it (data/bench/collide.csv). */
+static scree_integrator integrator_for(const struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    int boxes = 0;
+    for (int k = 0; k < bodies->count; k++) {
+        const struct scree_kind *kind = scree_kind_of(bodies, k);
+        boxes |= scree_joint_can_move(&kind->joint) && kind->shape.kind != SCREE_SPHERE;
+    }
+    return !boxes && scene->plan.free <= few_spheres ? SCREE_PAIR_IMPULSE : SCREE_VERLET;
+}
+
 /* Time per simulated second with the scene's integrator, in Verlet steps. */
 static double cost_of_run(const struct scree_scene *scene) {
     double step = fmin(scene->plan.choice.accurate, stable_share(scene));
@@ -383,7 +397,7 @@ static double cost_of_run(const struct scree_scene *scene) {
 }
 
 static scree_status out_of_reach(struct scree_scene *scene) {
-    int impulses = scene->time.any_integrator || scene->time.integrator == SCREE_PAIR_IMPULSE;
+    int impulses = scene->plan.any_integrator || scene->time.integrator == SCREE_PAIR_IMPULSE;
     scree_integrator integrator = impulses ? SCREE_PAIR_IMPULSE : SCREE_VERLET;
     const struct scree_rule_trial *worst = farthest(scene, integrator);
     const struct scree_trial_result *result = &worst->result[integrator];
@@ -393,7 +407,7 @@ static scree_status out_of_reach(struct scree_scene *scene) {
                         scene->time.accuracy, impulses ? "pair-impulse" : "verlet", scree_name(scene, worst->pair[0]),
                         scree_name(scene, worst->pair[1]), scene->plan.choice.speed, result->error, result->per_contact,
                         !impulses                    ? ", or take integrator = \"pair-impulse\""
-                        : scene->time.any_integrator ? ""
+                        : scene->plan.any_integrator ? ""
                         : scene->time.substeps < 4   ? ", or take substeps = 4"
                                                      : "");
 }
@@ -407,7 +421,7 @@ static scree_status choose_by_accuracy(struct scree_scene *scene, const struct s
     int found = 0;
     scree_status status = prepare_trials(scene);
     for (int k = 0; k < 2 && !status; k++) {
-        if (!scene->time.any_integrator && integrators[k] != wanted) continue;
+        if (!scene->plan.any_integrator && integrators[k] != wanted) continue;
         scene->time.integrator = integrators[k];
         find_limits(scene, species, choice);
         status = find_accurate(scene);
@@ -449,6 +463,8 @@ static double automatic_step(struct scree_scene *scene) {
 static scree_status choose_step(struct scree_scene *scene, const struct species *species) {
     struct scree_step_choice *choice = &scene->plan.choice;
     const struct scree_time_def *time = &scene->time;
+    scene->plan.any_integrator = time->integrator == SCREE_ANY_INTEGRATOR;
+    if (scene->plan.any_integrator) scene->time.integrator = integrator_for(scene);
     choice->speed_given = time->speed > 0.0;
     choice->speed = choice->speed_given ? time->speed : estimate_speed(scene);
     scree_status status = time->accuracy > 0.0 ? make_trials(scene) : SCREE_OK;

@@ -452,10 +452,8 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
     if (def->accuracy != 0.0 && def->integrator == SCREE_ADAPTIVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
                             "accuracy finds a fixed step; the integrator adaptive has a tolerance instead");
-    if (def->any_integrator && def->accuracy == 0.0)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "any_integrator",
-                            "the integrator is chosen by an accuracy, and none is asked for");
-    if (def->integrator != SCREE_VERLET && def->integrator != SCREE_PAIR_IMPULSE && def->integrator != SCREE_ADAPTIVE)
+    if (def->integrator != SCREE_ANY_INTEGRATOR && def->integrator != SCREE_VERLET &&
+        def->integrator != SCREE_PAIR_IMPULSE && def->integrator != SCREE_ADAPTIVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
                             (int)def->integrator);
     if (def->substeps < 0 || def->substeps > 64 || (def->substeps && def->integrator != SCREE_PAIR_IMPULSE))

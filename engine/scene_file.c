@@ -521,7 +521,7 @@ static void read_adaptive(struct scree_reader *r, const struct scree_toml *table
 static void read_time(struct scree_reader *r) {
     static const char *const keys[] = {"end",   "step",  "accuracy", "integrator", "substeps", "speed",
                                        "force", "watch", "threads",  "tolerance",  "flight",   NULL};
-    static const char *const integrators[] = {"verlet", "pair-impulse", "adaptive", NULL};
+    static const char *const integrators[] = {"auto", "verlet", "pair-impulse", "adaptive", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {
         scree_complain(r, NULL, "the scene needs a table [time] with its end (s)");
@@ -553,7 +553,6 @@ static void read_time(struct scree_reader *r) {
         scree_complain(r, accuracy,
                        "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
                        def.accuracy);
-    def.any_integrator = accuracy && !integrator;
     if (integrator) def.integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
     if (def.integrator == SCREE_ADAPTIVE) def.divide = whole_share(into(r)->end, def.divide);
     read_adaptive(r, table, &def);

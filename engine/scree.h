@@ -38,7 +38,10 @@ typedef struct scree_gravity_def {
 } scree_gravity_def;
 
 typedef enum scree_integrator {
-    SCREE_VERLET = 0,   /* position Verlet with predicted velocities; second order */
+    SCREE_ANY_INTEGRATOR = 0, /* with an accuracy: Verlet or pair impulses, whichever needs less time for it; else pair impulses if
+                                 all that forces move are spheres, 1000 at most (few bodies whose every impact counts), and
+                                 Verlet otherwise. Baking chooses */
+    SCREE_VERLET,             /* position Verlet with predicted velocities; second order */
     SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more digits
                            from the same step for damped contacts, at several times the cost; second order */
     SCREE_ADAPTIVE, /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */
@@ -63,7 +66,6 @@ typedef struct scree_time_def {
      * `speed` find the step for every contact that bodies of the scene can meet under. */
     double accuracy;
     scree_integrator integrator;
-    int any_integrator; /* with `accuracy`: take whichever of Verlet and pair impulses needs less time for it */
     /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as many, with friction
      * twice where needed. */
     int substeps;

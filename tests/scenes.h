@@ -78,7 +78,7 @@ static inline char *heap_text(void) {
     char *text = malloc(COUNT * 256 + 4096);
     int used =
         sprintf(text, "%s",
-                "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 2e-5\n"
+                "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 2e-5\n"
                 "[[material]]\nname = \"ball\"\ndensity = 2000\n[[material]]\nname = \"wall\"\n"
                 "[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
                 "normal = { law = \"linear-cut\", stiffness = 5e3, restitution = 0.6 }\n"

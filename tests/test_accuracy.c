@@ -274,8 +274,7 @@ static void test_errors(void) {
     scree_scene *scene = scree_scene_create();
     CHECK(scree_scene_set_time(scene, &(scree_time_def){.accuracy = 1e-3, .step = 1e-6}) == SCREE_BAD_INPUT);
     CHECK(scree_scene_set_time(scene, &(scree_time_def){.accuracy = NAN}) == SCREE_BAD_INPUT);
-    CHECK(scree_scene_set_time(scene, &(scree_time_def){.any_integrator = 1}) == SCREE_BAD_INPUT);
-    CHECK(scree_scene_set_time(scene, &(scree_time_def){.accuracy = 1e-3, .any_integrator = 1}) == SCREE_OK);
+    CHECK(scree_scene_set_time(scene, &(scree_time_def){.accuracy = 1e-3}) == SCREE_OK);
     scree_scene_destroy(scene);
 }
 
@@ -308,6 +307,47 @@ static void test_cheaper(void) {
     scree_scene_destroy(tsuji);
 }
 
+/* Left out, and no accuracy asked for: pair impulses for spheres up to a thousand that move, Verlet for more, and for boxes. What is
+ * fixed or driven doesn't count. */
+static void test_left_out(void) {
+    static const struct {
+        int count;
+        const char *shape;
+        scree_integrator expected;
+    } cases[] = {{1, "{ sphere = 1e-3 }", SCREE_PAIR_IMPULSE},
+                 {1000, "{ sphere = 1e-3 }", SCREE_PAIR_IMPULSE},
+                 {1001, "{ sphere = 1e-3 }", SCREE_VERLET},
+                 {1, "{ box = [1e-3, 1e-3, 1e-3] }", SCREE_VERLET}};
+    for (int k = 0; k < 4; k++) {
+        char text[1024];
+        snprintf(
+            text, sizeof text,
+            "[time]\nend = 1.0\nstep = 1e-6\n[[material]]\nname = \"m\"\ndensity = 1000\n"
+            "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 100, damping = 0.0 }\n"
+            "[[motion]]\nname = \"up\"\nkind = \"velocity\"\nvelocity = 0.1\n"
+            "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
+            "[[body]]\nname = \"tine\"\nshape = { box = [1, 1, 1] }\nmaterial = \"m\"\nposition = [5, 0, 1]\n"
+            "joint = { x = \"fixed\", y = \"fixed\", z = \"up\", turn = \"fixed\" }\n"
+            "[[body]]\nname = \"one\"\nshape = %s\nmaterial = \"m\"\nposition = [-1, 0, 1]\n"
+            "[[generate]]\nname = \"more\"\nkind = \"lattice\"\nradius = 1e-3\nspacing = 3e-3\ncount = %d\n"
+            "min = [0, 0, 0.1]\nmax = [0.04, 0.04, 0.2]\nmaterial = \"m\"\n",
+            cases[k].shape, cases[k].count > 1 ? cases[k].count - 1 : 1);
+        scree_scene *scene = scene_from(text, NULL, 0, 1);
+        CHECK(scene->time.integrator == cases[k].expected);
+        says(scene, cases[k].expected == SCREE_VERLET ? "integrator: verlet (left out: many bodies, or boxes)"
+                                                      : "integrator: pair-impulse (left out: few spheres)");
+        scree_scene_destroy(scene);
+        const char *given = "time.integrator=\"verlet\"", *open = "time.integrator=\"auto\"";
+        scene = scene_from(text, &given, 1, 1);
+        CHECK(scene->time.integrator == SCREE_VERLET);
+        says(scene, "integrator: verlet\n");
+        scree_scene_destroy(scene);
+        scene = scene_from(text, &open, 1, 1);
+        CHECK(scene->time.integrator == cases[k].expected);
+        scree_scene_destroy(scene);
+    }
+}
+
 static void test_staying(void) {
     scree_scene *scene =
         thrown("normal = { law = \"jkr\", modulus = 1e8, adhesion = 1e5 }", "accuracy = 1e-4", 0.0, 0.5, 1e-5);
@@ -330,7 +370,8 @@ static int reach(scree_scene *scene, double end, double chunk) {
 
 /* A ball of 0.03 kg falls on a floor and comes to rest; the law's limit is 1 ms. */
 static const char falling[] =
-    "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nforce = true\nstep = 1e-3\n[[material]]\nname = \"m\"\n"
+    "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nforce = true\nstep = "
+    "1e-3\n[[material]]\nname = \"m\"\n"
     "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e5, restitution = 0.3 }\n"
     "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
     "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 0.03\nposition = [0, 0, 0.012]\n";
@@ -389,7 +430,7 @@ static void test_bounces_within(void) {
  * with a small step, apart from what Verlet's energy swings by at 0.47 of a limit: (omega h/2)^2 = 0.9^2/2. */
 static void test_squeezed(void) {
     static const char text[] =
-        "[time]\nend = 1.0\nstep = 1e-3\n[[material]]\nname = \"m\"\n"
+        "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-3\n[[material]]\nname = \"m\"\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }\n"
         "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
         "[[body]]\nname = \"lid\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
@@ -426,7 +467,7 @@ static void test_growth(void) {
     for (int phase = 0; phase < 16; phase++) {
         char time[160];
         double step = pi * sqrt(0.03 / 1e5) / 1.7;
-        snprintf(time, sizeof time, "force = true\nwatch = \"halve\"\nstep = %.17g", step);
+        snprintf(time, sizeof time, "integrator = \"verlet\"\nforce = true\nwatch = \"halve\"\nstep = %.17g", step);
         char laws[] = "normal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }";
         scree_scene *scene = thrown(laws, time, 0.0, phase / 16.0, step);
         CHECK(reach(scene, 8.0 * step, 8.0 * step));
@@ -532,6 +573,7 @@ int main(void) {
     test_box();
     test_errors();
     test_cheaper();
+    test_left_out();
     test_staying();
     return check_report();
 }

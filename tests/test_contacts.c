@@ -139,7 +139,7 @@ static void test_boxes_depth(void) {
     "friction = { law = \"stick-slip\", static = 0.5, kinetic = 0.4, threshold = 0.05 }\n"
 static const char crowd_head[] =
     "gravity = [0, 0, -9.81]\n"
-    "[time]\nend = 1.0\nstep = 2e-5\n"
+    "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 2e-5\n"
     "[[material]]\nname = \"stuff\"\ndensity = 2000\n"
     "[[material]]\nname = \"brick\"\ndensity = 2000\n"
     "[[material]]\nname = \"wall\"\n" BETWEEN_STUFF("stuff") BETWEEN_STUFF("brick") ON_WALL("stuff") ON_WALL(
@@ -242,7 +242,8 @@ static void check_candidates(double ratio, double spread, int count) {
     char *text = malloc(size);
     int used =
         snprintf(text, size,
-                 "[time]\nend = 1.0\nstep = 1e-5\nforce = true\n[[material]]\nname = \"m\"\ndensity = 1000\n"
+                 "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\nforce = true\n[[material]]\nname = "
+                 "\"m\"\ndensity = 1000\n"
                  "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1.0, damping = 0 }\n"
                  "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
                  "position = [0, 0, -1e6]\n");
@@ -312,7 +313,7 @@ static void test_lists(void) {
 
 /* ---- momentum ---- */
 
-static const char two_text[] = "[time]\nend = 1.0\nstep = 1e-5\n"
+static const char two_text[] = "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\n"
                                "[[material]]\nname = \"stuff\"\ndensity = 2000\n"
                                "[[contact]]\nbetween = [\"stuff\", \"stuff\"]\n"
                                "normal = { law = \"linear-cut\", stiffness = 1e4, restitution = 0.6 }\n"
@@ -407,12 +408,12 @@ static struct vec turn_by_hand(const scree_scene *scene, const struct scree_rule
 static scree_scene *pressed_pairs(const char *normal, const char *friction, const char *rolling, int pairs) {
     size_t size = 4096 + (size_t)pairs * 1024;
     char *text = malloc(size);
-    int used = snprintf(
-        text, size,
-        "[time]\nend = 1.0\nstep = 1e-5\nforce = true\n[[material]]\nname = \"m\"\ndensity = 1000\n[[contact]]\n"
-        "between = [\"m\", \"m\"]\nnormal = { %s }\n%s%s%s%s%s%s",
-        normal, friction ? "friction = { " : "", friction ? friction : "", friction ? " }\n" : "",
-        rolling ? "rolling = { " : "", rolling ? rolling : "", rolling ? " }\n" : "");
+    int used = snprintf(text, size,
+                        "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\nforce = true\n[[material]]\nname = "
+                        "\"m\"\ndensity = 1000\n[[contact]]\n"
+                        "between = [\"m\", \"m\"]\nnormal = { %s }\n%s%s%s%s%s%s",
+                        normal, friction ? "friction = { " : "", friction ? friction : "", friction ? " }\n" : "",
+                        rolling ? "rolling = { " : "", rolling ? rolling : "", rolling ? " }\n" : "");
     uint64_t seed = 21;
     for (int k = 0; k < 2 * pairs; k++) {
         double radius = check_between(&seed, 0.008, 0.012), pace = pow(10.0, -(k / 2 % 5));

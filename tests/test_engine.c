@@ -8,7 +8,7 @@
 /* ---- impacts: order of the method ---- */
 
 static const char impact_head[] =
-    "[time]\nend = 1.0\n"
+    "[time]\nintegrator = \"verlet\"\nend = 1.0\n"
     "[[material]]\nname = \"ball\"\n"
     "[[material]]\nname = \"wall\"\n"
     "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"wall\"\njoint = \"fixed\"\n"
@@ -172,7 +172,7 @@ static void test_conventional(void) {
 /* ---- energy ---- */
 
 static const char bounce_text[] =
-    "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-4\n"
+    "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-4\n"
     "[[material]]\nname = \"ball\"\ndensity = 1000\n[[material]]\nname = \"wall\"\n"
     "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnormal = { law = \"linear-cut\", stiffness = 5e3, restitution = 0.7 "
     "}\n"
@@ -236,7 +236,7 @@ static double worst_balance(const char *text, const char *const *changes, int co
  * doesn't hang on the step. */
 static void test_friction_takes_energy(void) {
     static const char text[] =
-        "[time]\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
+        "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
         "[[material]]\nname = \"m\"\ndensity = 1000\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e5, restitution = 1.0 }\n"
         "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 2e4, damping = 0.1 }\n"
@@ -261,7 +261,8 @@ static void test_friction_takes_energy(void) {
 /* Borders and edges give no energy away: a ball against a step, rolling over a border, and rising from beneath. */
 static void test_borders(void) {
     static const char text[] =
-        "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
+        "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-6\n[output]\nwrite = "
+        "[\"energy.csv\"]\n"
         "[[material]]\nname = \"m\"\ndensity = 1000\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }\n"
         "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
@@ -287,7 +288,7 @@ static void test_borders(void) {
 /* Cubes that are just as large stand on each other, and bounce off each other edge on edge; too fast ones don't pass unnoticed. */
 static void test_cubes(void) {
     static const char text[] =
-        "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-5\n"
+        "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\n"
         "[[material]]\nname = \"m\"\ndensity = 1000\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\n"
         "normal = { law = \"linear-cut\", stiffness = 1e5, restitution = 0.3 }\nshared_by = 4\n"
@@ -391,7 +392,8 @@ static void test_same_bits(void) {
 
 /* A scene with every part that decides how it goes on: contacts that remember, a drive, a hinge, tilting gravity. */
 static const char parts_text[] =
-    "gravity = { vector = [0, 0, -9.81], axis = [0, 1, 0], tilt = \"tip\" }\n[time]\nend = 0.1\n"
+    "gravity = { vector = [0, 0, -9.81], axis = [0, 1, 0], tilt = \"tip\" }\n[time]\nintegrator = \"verlet\"\nend = "
+    "0.1\n"
     "[[material]]\nname = \"ball\"\ndensity = 1000\n[[material]]\nname = \"wall\"\n"
     "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnone = true\n"
     "[[contact]]\nbetween = [\"ball\", \"wall\"]\nnormal = { law = \"linear-cut\", stiffness = 5e3, damping = 2.0 "
@@ -502,7 +504,7 @@ static void test_books_begin(void) {
 /* What was listed before, and is no longer after restoring, leaves no trace: a box was near, the spheres' arms turn nothing. */
 static void test_restore_forgets_lists(void) {
     static const char text[] =
-        "gravity = [0, 0.3, -9.81]\n[time]\nend = 1.0\nstep = 1e-4\n"
+        "gravity = [0, 0.3, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-4\n"
         "[[material]]\nname = \"m\"\ndensity = 1000\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }\n"
         "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
@@ -624,14 +626,15 @@ static void test_stability_limit(void) {
  * its amplitude grows by in a step; NAN if the step is refused. */
 static double growth_of_stretch(double turn, double ratio) {
     char text[2048];
-    snprintf(text, sizeof text,
-             "gravity = [0, 0, -10]\n[time]\nend = 1.0\nstep = %.17g\n[[material]]\nname = \"m\"\n"
-             "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
-             "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 1.0\n"
-             "position = [0, 0, 0.009]\nvelocity = [1e-4, 0, 0]\njoint = { turn = \"fixed\" }\n"
-             "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e4, damping = 0.0 }\n"
-             "friction = { law = \"coulomb\", static = 10.0, kinetic = 10.0, stiffness = 1e6, damping = %.17g }\n",
-             turn * 1e-3, 2e3 * ratio);
+    snprintf(
+        text, sizeof text,
+        "gravity = [0, 0, -10]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = %.17g\n[[material]]\nname = \"m\"\n"
+        "[[body]]\nname = \"wall\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 1.0\n"
+        "position = [0, 0, 0.009]\nvelocity = [1e-4, 0, 0]\njoint = { turn = \"fixed\" }\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e4, damping = 0.0 }\n"
+        "friction = { law = \"coulomb\", static = 10.0, kinetic = 10.0, stiffness = 1e6, damping = %.17g }\n",
+        turn * 1e-3, 2e3 * ratio);
     scree_scene *scene = NULL;
     struct scree_run_request request;
     scree_trouble trouble;
@@ -742,7 +745,7 @@ static void test_plan_of_impacts(void) {
 /* The softest body isn't always the lightest: a long thin rod is moved more easily at its end than a lighter ball. */
 static void test_softest(void) {
     static const char text[] =
-        "[time]\nend = 1.0\n[[material]]\nname = \"m\"\n"
+        "[time]\nintegrator = \"verlet\"\nend = 1.0\n[[material]]\nname = \"m\"\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\n"
         "normal = { law = \"linear\", stiffness = 1e5, damping = 0 }\n"
         "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"

@@ -111,7 +111,8 @@ static scree_scene *on_slope(const struct slope_case *c) {
     double sine = sin(c->angle), cosine = cos(c->angle);
     snprintf(
         text, sizeof text,
-        "gravity = [%.17g, 0, %.17g]\n[time]\nend = 100.0\nstep = %.17g\nspeed = 0.01\n[output]\nwrite = "
+        "gravity = [%.17g, 0, %.17g]\n[time]\nintegrator = \"verlet\"\nend = 100.0\nstep = %.17g\nspeed = "
+        "0.01\n[output]\nwrite = "
         "[\"energy.csv\"]\n"
         "[[material]]\nname = \"ball\"\n[[material]]\nname = \"floor\"\n"
         "[[contact]]\nbetween = [\"ball\", \"floor\"]\nnormal = { law = \"linear\", stiffness = %d, damping = 30 }\n"
@@ -645,7 +646,7 @@ struct oblique {
 static scree_body_state rebound(const struct oblique *c) {
     char text[1024];
     snprintf(text, sizeof text,
-             "[time]\nend = 1.0\nstep = %.17g\nforce = true\n[[material]]\nname = \"m\"\n"
+             "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = %.17g\nforce = true\n[[material]]\nname = \"m\"\n"
              "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { %s }\nfriction = { %s }\n"
              "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
              "[[body]]\nname = \"ball\"\nshape = { sphere = %.17g }\nmass = %.17g\nmaterial = \"m\"\n"
@@ -790,7 +791,8 @@ static scree_scene *balls(const char *friction) {
     uint64_t seed = 31;
     int used = snprintf(
         text, sizeof text,
-        "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 1e-5\nforce = true\n[output]\nwrite = [\"energy.csv\"]\n"
+        "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\nforce = "
+        "true\n[output]\nwrite = [\"energy.csv\"]\n"
         "[[material]]\nname = \"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
         "normal = { law = \"linear-cut\", stiffness = 2e4, restitution = 0.5 }\nfriction = { %s }\n"
         "rolling = { law = \"spring-dashpot\", rolling = 0.05, twisting = 0.02, stiffness = 1e3, damping = 0.5 }\n"
@@ -850,7 +852,7 @@ static void test_rolling_momentum(void) {
         char text[1600];
         snprintf(
             text, sizeof text,
-            "[time]\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
+            "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
             "[[material]]\nname = \"m\"\ndensity = 2000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
             "normal = { law = \"linear\", stiffness = 1e4, damping = 0 }\nrolling = { law = \"%s\", %s }\n"
             "[[body]]\nname = \"a\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\nvelocity = [1.0, 0.3, 0.1]\n"
@@ -884,7 +886,8 @@ static void test_rolling_momentum(void) {
 static void refuse_scene(const char *contact, const char *shape, const char *part) {
     char text[1024];
     snprintf(text, sizeof text,
-             "[time]\nend = 1.0\n[[material]]\nname = \"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+             "[time]\nintegrator = \"verlet\"\nend = 1.0\n[[material]]\nname = \"m\"\ndensity = "
+             "1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
              "normal = { law = \"linear\", stiffness = 1e4, damping = 0 }\n%s\n"
              "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
              "[[body]]\nname = \"thing\"\nshape = { %s }\nmaterial = \"m\"\nposition = [0, 0, 1]\n",

@@ -604,7 +604,7 @@ static void test_jkr_force(void) {
 }
 
 #define HANGING                                                                                                        \
-    "[time]\nend = 1.0\nstep = 1e-6\n[output]\nevery = 1e-3\nwrite = [\"energy.csv\"]\n"                               \
+    "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-6\n[output]\nevery = 1e-3\nwrite = [\"energy.csv\"]\n"      \
     "[[material]]\nname = \"soft\"\ndensity = 1000\nyoung = 2e6\npoisson = 0.5\n"                                      \
     "[[contact]]\nbetween = [\"soft\", \"soft\"]\nnormal = { law = \"%s\", adhesion = 0.5 }\n"                         \
     "[[body]]\nname = \"top\"\nmaterial = \"soft\"\nshape = { sphere = 0.002 }\njoint = \"fixed\"\n"                   \

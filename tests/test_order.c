@@ -46,7 +46,7 @@ enum { COUNT = 1500 };
 static char *gas_text(double speed) {
     char *text = malloc(COUNT * 300 + 8192);
     int used = sprintf(text, "%s",
-                       "gravity = [0, 0, -9.81]\n[time]\nend = 1.0\nstep = 2e-5\n"
+                       "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 2e-5\n"
                        "[[material]]\nname = \"ball\"\ndensity = 2000\nyoung = 1e7\npoisson = 0.25\n"
                        "[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
                        "normal = { law = \"linear\", stiffness = 2e4, restitution = 0.9 }\n"

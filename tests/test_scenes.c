@@ -273,7 +273,8 @@ static char *gas_text(const char *axes, int count, double ratio, uint64_t *seed,
     static char text[8192];
     double least = 0.004 / ratio;
     snprintf(text, sizeof text,
-             "[time]\nend = 1.0\nstep = 2e-5\n%s[domain]\nmin = [-0.01, 0.02, 0]\nmax = [0.04, 0.05, 0.04]\nperiodic = "
+             "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 2e-5\n%s[domain]\nmin = [-0.01, 0.02, 0]\nmax = "
+             "[0.04, 0.05, 0.04]\nperiodic = "
              "[%s]\n"
              "[[material]]\nname = \"m\"\ndensity = 2000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
              "normal = { law = \"linear\", stiffness = 2e3, restitution = 0.9 }\n"
@@ -393,7 +394,8 @@ static void test_periodic_shift(void) {
  * run goes on with the same bits, across a return into the box too. */
 static void test_periodic_slide(void) {
     const char *text =
-        "gravity = [5, 0, -8.5]\n[time]\nend = 1.0\nstep = 5e-5\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, 1]\n"
+        "gravity = [5, 0, -8.5]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 5e-5\n[domain]\nmin = [0, -1, "
+        "-1]\nmax = [0.05, 1, 1]\n"
         "periodic = [\"x\"]\n[[material]]\nname = \"m\"\ndensity = 2000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
         "normal = { law = \"linear\", stiffness = 2e3, restitution = 0.5 }\n"
         "friction = { law = \"coulomb\", static = 0.1, kinetic = 0.1, stiffness = 1e3 }\n"
@@ -443,7 +445,8 @@ static void test_periodic_bits(void) {
 static scree_scene *crowd(int threads) {
     uint64_t seed = 31;
     scree_scene *scene = scene_from(
-        "gravity = [0, 0, -300]\n[time]\nend = 1.0\nstep = 1e-5\n[domain]\nmin = [-0.01, 0.02, -1]\n"
+        "gravity = [0, 0, -300]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\n[domain]\nmin = [-0.01, "
+        "0.02, -1]\n"
         "max = [0.04, 0.05, 1]\nperiodic = [\"x\", \"y\"]\n[[material]]\nname = \"m\"\ndensity = 2000\n"
         "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e4, restitution = 0.8 }\n"
         "friction = { law = \"coulomb\", static = 0.3, kinetic = 0.3, stiffness = 5e3 }\n"
@@ -549,7 +552,8 @@ static void test_periodic_slabs(void) {
 
 /* So many that bodies are sorted in space and threads share the work: the same bits, and no contact missed. */
 static void test_periodic_many(void) {
-    const char *text = "[time]\nend = 1.0\nstep = 2e-5\n[domain]\nmin = [0, 0, 0]\nmax = [0.092, 0.0552, 0.0552]\n"
+    const char *text = "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 2e-5\n[domain]\nmin = [0, 0, 0]\nmax = "
+                       "[0.092, 0.0552, 0.0552]\n"
                        "periodic = [\"x\", \"y\", \"z\"]\n[[material]]\nname = \"m\"\ndensity = 2000\n"
                        "[[contact]]\nbetween = [\"m\", \"m\"]\n"
                        "normal = { law = \"linear\", stiffness = 500, restitution = 0.9 }\n"
@@ -581,7 +585,8 @@ static void test_periodic_many(void) {
 /* A prescribed sphere goes on for ever and isn't put back; once a period it passes a heavy one that stays where it is. */
 static void test_periodic_drive(void) {
     scree_scene *scene = scene_from(
-        "[time]\nend = 1.0\nstep = 1e-4\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, 1]\nperiodic = [\"x\"]\n"
+        "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-4\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, "
+        "1]\nperiodic = [\"x\"]\n"
         "[[material]]\nname = \"m\"\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
         "normal = { law = \"linear\", stiffness = 1.0, damping = 0 }\n"
         "[[motion]]\nname = \"on\"\nkind = \"velocity\"\nvelocity = 1.0\n"

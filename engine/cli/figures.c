@@ -93,7 +93,7 @@ scree_scene *figures_scene_text(struct figures *figures, const char *text) {
     struct scree_run_request request = {0};
     scree_scene *scene = NULL;
     const char *verlet = "time.integrator=\"verlet\"";
-    int change = figures->verlet && strstr(text, "\"pair-impulse\"");
+    int change = figures->verlet && !strstr(text, "\"adaptive\"");
     scree_read_scene(text, strlen(text), "suite", &verlet, change, 1, &scene, &request, &figures->trouble);
     scree_free_request(&request);
     return scene;

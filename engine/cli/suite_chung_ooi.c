@@ -38,7 +38,7 @@ static scree_scene *make_scene(struct figures *figures, const struct strike *s, 
     else
         snprintf(host, sizeof host, "shape = { plane = true }\njoint = \"fixed\"\n");
     snprintf(text, sizeof text,
-             "[time]\nend = 1\nspeed = %.17g\nintegrator = \"pair-impulse\"\n[output]\nwrite = []\n"
+             "[time]\nend = 1\nspeed = %.17g\n[output]\nwrite = []\n"
              "[[material]]\nname = \"a\"\nyoung = %.17g\npoisson = %.17g\ndensity = %.17g\n"
              "[[material]]\nname = \"b\"\nyoung = %.17g\npoisson = %.17g\ndensity = %.17g\n"
              "[[contact]]\nbetween = [\"a\", \"b\"]\nnormal = { law = \"%s\", restitution = %.17g }\n%s"

@@ -23,7 +23,7 @@ static scree_status slope_acceleration(struct figures *figures, const struct slo
     char text[1536];
     snprintf(
         text, sizeof text,
-        "gravity = [%.17g, 0, %.17g]\n[time]\nend = 1\nstep = 2e-6\nspeed = 0.01\n" HEAD
+        "gravity = [%.17g, 0, %.17g]\n[time]\nend = 0.1\nspeed = 0.01\n" HEAD
         "[[contact]]\nbetween = [\"m\", \"w\"]\nnormal = { law = \"linear-cut\", stiffness = 1e8, restitution = 0.1 }\n"
         "friction = { law = \"coulomb\", static = %.17g, kinetic = %.17g, stiffness = 8e7, damping = 1200 }\n%s"
         "[[body]]\nname = \"it\"\nmaterial = \"m\"\nmass = 0.05\n%s",
@@ -32,9 +32,10 @@ static scree_status slope_acceleration(struct figures *figures, const struct slo
                : "shape = { sphere = 0.01 }\nposition = [0, 0, 0.01]\n");
     scree_scene *scene = figures_scene_text(figures, text);
     if (!scene) return figures->trouble.status;
-    scree_status status = figures_step(figures, scene, 50000);
+    long steps = lround(0.1 / scree_scene_step_length(scene));
+    scree_status status = figures_step(figures, scene, steps);
     double before = scree_scene_body(scene, 1).velocity[0];
-    if (!status) status = figures_step(figures, scene, 50000);
+    if (!status) status = figures_step(figures, scene, steps);
     *along = (scree_scene_body(scene, 1).velocity[0] - before) / 0.1;
     scree_scene_destroy(scene);
     return status;
@@ -68,14 +69,14 @@ scree_status suite_incline(struct figures *figures) {
 /* Stop distance v^2/(2 mu g) of a box that is kept from pitching. */
 scree_status suite_slide(struct figures *figures) {
     static const char text[] =
-        "gravity = [0, 0, -9.81]\n[time]\nend = 10\nstep = 2e-5\nspeed = 0.01\n" HEAD
+        "gravity = [0, 0, -9.81]\n[time]\nend = 10\nspeed = 0.01\n" HEAD
         "[[contact]]\nbetween = [\"m\", \"w\"]\nnormal = { law = \"linear-cut\", stiffness = 1e6, restitution = 0.1 }\n"
         "shared_by = 4\nfriction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e6, damping = 100 }\n"
         "[[body]]\nname = \"it\"\nmaterial = \"m\"\nmass = 1\nshape = { box = [0.5, 0.5, 0.5], rounding = 0.01 }\n"
         "position = [0, 0, 0.24999019]\nvelocity = [5, 0, 0]\njoint = { turn = \"fixed\" }\n";
     scree_scene *scene = figures_scene_text(figures, text);
     if (!scene) return figures->trouble.status;
-    scree_status status = figures_step(figures, scene, 100000);
+    scree_status status = figures_step(figures, scene, lround(2.0 / scree_scene_step_length(scene)));
     double way = scree_scene_body(scene, 1).position[0];
     scree_scene_destroy(scene);
     /* The spring is stretched by mu m g/k = 5e-6 m at the end, and comes back by that. */
@@ -92,7 +93,7 @@ scree_status suite_rolling(struct figures *figures) {
     for (int k = 0; k < 4; k++) {
         char text[1536];
         snprintf(text, sizeof text,
-                 "gravity = [0, 0, -9.81]\n[time]\nend = 10\nstep = 1e-5\nspeed = 0.01\n" HEAD
+                 "gravity = [0, 0, -9.81]\n[time]\nend = 10\nspeed = 0.01\n" HEAD
                  "[[contact]]\nbetween = [\"m\", \"w\"]\nnormal = { law = \"linear-cut\", stiffness = 1e6, restitution "
                  "= 0.1 }\n"
                  "friction = { law = \"coulomb\", static = 0.8, kinetic = 0.8, stiffness = 8e5, damping = 100 }\n"
@@ -102,11 +103,11 @@ scree_status suite_rolling(struct figures *figures) {
                  rolls[k]);
         scree_scene *scene = figures_scene_text(figures, text);
         if (!scene) return figures->trouble.status;
-        double rate = 5.0 / 7.0 * rolls[k] * gravity, stop = 0.1 / rate;
-        scree_status status = figures_step(figures, scene, lround(0.5 * stop / 1e-5));
+        double rate = 5.0 / 7.0 * rolls[k] * gravity, stop = 0.1 / rate, step = scree_scene_step_length(scene);
+        scree_status status = figures_step(figures, scene, lround(0.5 * stop / step));
         worst =
             fmax(worst, fabs((0.1 - scree_scene_body(scene, 1).velocity[0]) / scree_scene_time(scene) / rate - 1.0));
-        if (!status) status = figures_step(figures, scene, lround((0.8 * stop + 1.0) / 1e-5));
+        if (!status) status = figures_step(figures, scene, lround((0.8 * stop + 1.0) / step));
         spin = fmax(spin, fabs(scree_scene_body(scene, 1).spin[1]));
         way = fmax(way, fabs(scree_scene_body(scene, 1).position[0] / (0.05 * stop) - 1.0));
         scree_scene_destroy(scene);

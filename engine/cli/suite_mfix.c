@@ -80,7 +80,7 @@ static scree_scene *falling_sphere(struct figures *figures, const struct fall *f
     char text[1024];
     snprintf(
         text, sizeof text,
-        "gravity = [0, 0, -%.17g]\n[time]\nend = 100\nintegrator = \"pair-impulse\"\n[output]\nwrite = []\n"
+        "gravity = [0, 0, -%.17g]\n[time]\nend = 100\n[output]\nwrite = []\n"
         "[[material]]\nname = \"m\"\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
         "normal = { law = \"%s\", stiffness = %.17g, damping = %.17g }\n"
         "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
@@ -243,8 +243,7 @@ scree_status suite_dem03(struct figures *figures) {
         double masses[3] = {p.mass[0], pair_mass, p.mass[1]}, y[4] = {4.5e-4, 1.35e-3, 0.0, 0.0};
         char text[2048];
         int n = snprintf(text, sizeof text,
-                         "gravity = [0, 0, -%.17g]\n[time]\nend = 1\nstep = 2e-6\nintegrator = "
-                         "\"pair-impulse\"\n[output]\nwrite = []\n"
+                         "gravity = [0, 0, -%.17g]\n[time]\nend = 1\n[output]\nwrite = []\n"
                          "[[material]]\nname = \"w\"\n[[material]]\nname = \"a\"\n[[material]]\nname = \"b\"\n"
                          "[[contact]]\nbetween = [\"w\", \"w\"]\nnone = true\n",
                          gravity);
@@ -269,8 +268,9 @@ scree_status suite_dem03(struct figures *figures) {
         if (!scene) return figures->trouble.status;
         scree_status status = SCREE_OK;
         for (int k = 0; k < 10 && !status; k++) {
-            status = figures_step(figures, scene, 50);
-            press_exactly(&p, 1e-4, y);
+            double time = scree_scene_time(scene);
+            status = figures_step(figures, scene, lround(1e-4 / scree_scene_step_length(scene)));
+            press_exactly(&p, scree_scene_time(scene) - time, y);
             for (int b = 0; b < 2; b++)
                 worst[b] = fmax(worst[b], fabs(scree_scene_body(scene, 2 + b).position[2] / y[b] - 1.0));
         }
@@ -292,8 +292,7 @@ scree_status suite_dem04(struct figures *figures) {
         double r = 5e-4, u0 = 0.1, mass = 4.0 / 3.0 * pi * r * r * r * 1e4, sunk = mass * gravity / 1e4;
         char text[1024];
         snprintf(text, sizeof text,
-                 "gravity = [0, 0, -%.17g]\n[time]\nend = 1\nstep = 2.5e-7\nintegrator = "
-                 "\"pair-impulse\"\n[output]\nwrite = []\n"
+                 "gravity = [0, 0, -%.17g]\n[time]\nend = 1\n[output]\nwrite = []\n"
                  "[[material]]\nname = \"m\"\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
                  "normal = { law = \"linear-cut\", stiffness = 1e4, restitution = 0.5 }\n"
                  "friction = { law = \"coulomb\", static = %.17g, kinetic = %.17g, stiffness = 1e5, damping = 0.15 }\n"
@@ -303,7 +302,7 @@ scree_status suite_dem04(struct figures *figures) {
                  gravity, mu, mu, mass, r - sunk);
         scree_scene *scene = figures_scene_text(figures, text);
         if (!scene) return figures->trouble.status;
-        scree_status status = figures_step(figures, scene, 80000);
+        scree_status status = figures_step(figures, scene, lround(0.02 / scree_scene_step_length(scene)));
         scree_body_state ball = scree_scene_body(scene, 1);
         double time = scree_scene_time(scene);
         scree_scene_destroy(scene);
@@ -351,7 +350,7 @@ static scree_status strike(struct figures *figures, double degrees, scree_body_s
     double r = 2.5e-3, mu = 0.092, angle = degrees * pi / 180.0, vn = 3.9 * cos(angle), vt = 3.9 * sin(angle);
     char text[1024];
     snprintf(text, sizeof text,
-             "[time]\nend = 1\nspeed = 3.9\nintegrator = \"pair-impulse\"\n[output]\nwrite = []\n"
+             "[time]\nend = 1\nspeed = 3.9\n[output]\nwrite = []\n"
              "[[material]]\nname = \"m\"\ndensity = 4000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
              "normal = { law = \"linear\", stiffness = 1.72e11, damping = 0.0 }\n"
              "friction = { law = \"coulomb\", static = %g, kinetic = %g, stiffness = 1.48e11 }\n"
