@@ -15,7 +15,7 @@ static const char help[] =
     "lists\n"
     "made in every step. Both take turns; medians. Columns: what is skipped, scene,\n"
     "nanoseconds per step with and without the skip, what it saves in per cent, and the largest difference of\n"
-    "positions at the end (m): 0 but for friction, whose lever arms turn balls by rounding.\n"
+    "positions at the end (m): 0 but for friction, whose lever arms turn balls by rounding, and for sleep.\n"
     "\n"
     "example: scree-bench skips --repeats 9\n";
 
@@ -122,6 +122,50 @@ static void measure(const struct skip *skip, int heap, int repeats) {
     free(text);
 }
 
+/* ---- sleep ---- */
+
+/* Balls of soft glass that lie in a box, and come to rest by their dashpots. */
+static const char bed[] =
+    "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 100.0\nstep = 1e-5\n[output]\nwrite = []\n"
+    "[[material]]\nname = \"glass\"\ndensity = 2500\nyoung = 1e7\npoisson = 0.25\n"
+    "[[contact]]\nbetween = [\"glass\", \"glass\"]\nnormal = { law = \"tsuji\", restitution = 0.6 }\n"
+    "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.5, damping = 0.15 }\n"
+    "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"glass\"\njoint = \"fixed\"\n"
+    "[[body]]\nname = \"left\"\nshape = { plane = true }\nmaterial = \"glass\"\njoint = \"fixed\"\n"
+    "orientation = { axis = [0, 1, 0], degrees = 90 }\n"
+    "[[body]]\nname = \"right\"\nshape = { plane = true }\nmaterial = \"glass\"\njoint = \"fixed\"\n"
+    "orientation = { axis = [0, 1, 0], degrees = -90 }\nposition = [0.032, 0, 0]\n"
+    "[[body]]\nname = \"front\"\nshape = { plane = true }\nmaterial = \"glass\"\njoint = \"fixed\"\n"
+    "orientation = { axis = [1, 0, 0], degrees = -90 }\n"
+    "[[body]]\nname = \"back\"\nshape = { plane = true }\nmaterial = \"glass\"\njoint = \"fixed\"\n"
+    "orientation = { axis = [1, 0, 0], degrees = 90 }\nposition = [0, 0.032, 0]\n"
+    "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nmaterial = \"glass\"\nradius = 0.001\nspacing = 0.0022\n"
+    "jitter = 8e-5\nmin = [0, 0, 0]\nmax = [0.032, 0.032, 0.05]\ncount = 2000\nseed = 7\n";
+
+static double time_steps(scree_scene *scene) {
+    double begin = bench_now();
+    bench_step(scene, STEPS);
+    return (bench_now() - begin) / STEPS * 1e9;
+}
+
+static void measure_sleep(int repeats) {
+    enum { TO_REST = 100000 };
+    const char *sleep = "time.sleep=1e-5";
+    double with[REPEATS], without[REPEATS];
+    scree_scene *lean = bench_scene_text(bed, &sleep, 1), *full = bench_scene_text(bed, NULL, 0);
+    bench_step(lean, TO_REST);
+    bench_step(full, TO_REST);
+    for (int r = 0; r < repeats; r++) {
+        with[r] = time_steps(lean);
+        without[r] = time_steps(full);
+    }
+    double slim = bench_median(with, repeats), whole = bench_median(without, repeats);
+    printf("bodies at rest (sleep = 1e-5; %d of 2000 asleep),bed of 2000 balls,%.1f,%.1f,%.1f,%.2g\n",
+           scree_scene_asleep(lean), slim, whole, 100.0 * (1.0 - slim / whole), difference(lean, full));
+    scree_scene_destroy(lean);
+    scree_scene_destroy(full);
+}
+
 int bench_skips(int count, char **words) {
     const char *repeats = NULL;
     const struct cli_option options[] = {{.name = "--repeats", .value = &repeats}, {0}};
@@ -133,5 +177,6 @@ int bench_skips(int count, char **words) {
     printf("skipped,scene,ns_per_step_with_skip,ns_per_step_without,saved_percent,largest_difference_m\n");
     for (int k = 0; k < SKIPS; k++)
         for (int heap = skips[k].near; heap < 2; heap++) measure(&skips[k], heap, repeat_count);
+    measure_sleep(repeat_count);
     return EXIT_GOOD;
 }

@@ -50,6 +50,7 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     scree_memory_free(bodies->place);
     scree_memory_free(bodies->slab);
     scree_memory_free(bodies->past);
+    scree_memory_free(bodies->calm);
     scree_memory_free(bodies->push);
     *bodies = (struct scree_bodies){0};
 }

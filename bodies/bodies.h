@@ -81,9 +81,10 @@ struct scree_kind {
 };
 
 enum scree_body_class {
-    SCREE_CLASS_FIXED,  /* never moves */
-    SCREE_CLASS_BALL,   /* a free sphere: no attitude is kept */
-    SCREE_CLASS_GENERAL /* everything else */
+    SCREE_CLASS_FIXED,   /* never moves */
+    SCREE_CLASS_BALL,    /* a free sphere: no attitude is kept */
+    SCREE_CLASS_GENERAL, /* everything else */
+    SCREE_CLASS_ASLEEP   /* a ball or box left alone for a while (contact/rest.h) */
 };
 
 /* Where bodies lie in memory. A scene of many balls keeps them sorted in space: in slabs across its longest extent, within a slab in
@@ -116,6 +117,7 @@ struct scree_bodies {
     struct scree_motion *motion; /* owned; joints refer to them by index */
     int motions;
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
+    unsigned char *calm;              /* how often it was seen at rest (contact/rest.h); NULL: none ever sleeps */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
     struct scree_push *push;
     int periodic;             /* along some axis */
@@ -124,6 +126,11 @@ struct scree_bodies {
 
 static inline struct scree_kind *scree_kind_of(const struct scree_bodies *bodies, int index) {
     return &bodies->kind[bodies->kind_of[index]];
+}
+
+/* What a body that sleeps is when it is awake. */
+static inline unsigned char scree_awake_class(const struct scree_bodies *bodies, int index) {
+    return scree_kind_of(bodies, index)->slot < 0 ? SCREE_CLASS_BALL : SCREE_CLASS_GENERAL;
 }
 
 /* Of a body that isn't a ball. */

@@ -174,6 +174,7 @@ void scree_bodies_permute(struct scree_bodies *bodies, int *from) {
         {bodies->record, sizeof *bodies->record}, {bodies->state, sizeof *bodies->state},
         {bodies->class, sizeof *bodies->class},   {bodies->kind_of, sizeof *bodies->kind_of},
         {bodies->past, sizeof *bodies->past},     {bodies->number, sizeof *bodies->number},
+        {bodies->calm, sizeof *bodies->calm},
     };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         scree_permute(arrays[k].array, arrays[k].size, from, count);

@@ -5,6 +5,7 @@
  * two slabs at work at the same time have a body in common. So every sum has one order, for any number of threads. A body is finished when the
  * slab that it belongs to and the one before are. */
 #include "contact/loop.h"
+#include "contact/rest.h"
 
 static int contacts_in_block(const struct scree_batch *batch, int block) {
     int left = batch->segment[0].count - block * SCREE_LANES;
@@ -40,6 +41,7 @@ static inline void collect(struct scree_contacts *contacts, struct scree_bodies 
     const struct scree_yield *yield = &batch->yield[block];
     if (batch->geometry == SCREE_EDGE_EDGE && yield->silent) return;
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+        if (contacts->rest.asleep > 0 && scree_is_still(bodies, &contact[lane])) continue;
         int ball = bodies->number[contact[lane].ball], host = bodies->number[contact[lane].host];
         add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));
         note(yield->depth[lane], ball, host, &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
@@ -58,10 +60,9 @@ void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies
 
 static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                       const struct scree_batch *batch, int block, double step) {
-    int count = contacts_in_block(batch, block);
+    int count = contacts_in_block(batch, block), first = batch->segment[0].first + block * SCREE_LANES;
     const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
-    loop->act(contacts, bodies, batch, batch->segment[0].first + block * SCREE_LANES, count, step,
-              &batch->yield[block]);
+    loop->act(contacts, bodies, batch, first, count, step, &batch->yield[block]);
 }
 
 /* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
@@ -70,11 +71,15 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
     int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
     if (threads > 1 && blocks > 32) {
 #pragma omp parallel for schedule(static) num_threads(threads)
-        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
+        for (int block = 0; block < blocks; block++)
+            if (scree_rest_works(contacts, batch, block)) act_block(contacts, bodies, batch, block, step);
     } else {
-        for (int block = 0; block < blocks; block++) act_block(contacts, bodies, batch, block, step);
+        for (int block = 0; block < blocks; block++)
+            if (scree_rest_works(contacts, batch, block)) act_block(contacts, bodies, batch, block, step);
     }
-    for (int block = 0; block < blocks; block++) collect(contacts, bodies, batch, block);
+    for (int block = 0; block < blocks; block++)
+        if (scree_rest_works(contacts, batch, block)) collect(contacts, bodies, batch, block);
+    if (contacts->rest.asleep > 0) scree_rest_give_back(batch);
 }
 
 /* ---- slabs ---- */
@@ -94,7 +99,10 @@ static void act_segment(void *argument, struct scree_contacts *contacts, struct 
                         const struct scree_batch *batch, const struct scree_part *segment, double step,
                         struct scree_tally *tally) {
     (void)argument;
-    contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally);
+    if (contacts->rest.asleep > 0)
+        scree_rest_act(contacts, bodies, batch, segment, step, tally);
+    else
+        contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally);
 }
 
 /* The members of a slab have all their impulses: on they go. */

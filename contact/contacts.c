@@ -84,6 +84,9 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         for (int m = 0; m < SCREE_PAST; m++) scree_memory_free(batch->past[m]);
         scree_memory_free(batch->run);
         scree_memory_free(batch->first_run);
+        scree_memory_free(batch->works);
+        scree_memory_free(batch->holds);
+        scree_memory_free(batch->stirring);
     }
     scree_contacts_free_scratch(contacts);
     free(contacts->spare);
@@ -97,6 +100,8 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     scree_memory_free(contacts->rough.memory);
     scree_memory_free(contacts->boxes.memory);
     free(contacts->plane);
+    scree_memory_free(contacts->rest.border);
+    scree_memory_free(contacts->rest.on_border);
     free(contacts->returned);
     scree_memory_free(contacts->moving);
     *contacts = (struct scree_contacts){0};

@@ -77,7 +77,14 @@ struct scree_moments {
  * slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): no two slabs of the same parity touch one body. */
 struct scree_part {
     int first, count, capacity;
-    int outer_first, outer_count; /* in the outer list; slabs are counted apart from segment 0 */
+    int outer_first, outer_count;     /* in the outer list; slabs are counted apart from segment 0 */
+    int stirring_first, stirring_end; /* those that aren't still, in the batch's list of them (rest.h) */
+};
+
+/* What laws keep of a contact. */
+struct scree_held {
+    int index;
+    double kept[SCREE_MEMORY];
 };
 
 /* The contacts of two boxes edge on edge, a run of segment 0 of their batch. */
@@ -112,6 +119,12 @@ struct scree_batch {
     int runs, run_capacity;
     struct scree_run *run;
     int *first_run;
+    /* While bodies sleep (rest.h): of segment 0 the blocks that work, with what is kept of still contacts in them; of slabs those that
+     * aren't still. */
+    int works_capacity, held_capacity, held, stirring_capacity;
+    unsigned char *works;
+    struct scree_held *holds;
+    int *stirring;
     /* For the pair-impulse method; NULL without it. */
     int impulses;
     double *past[SCREE_PAST];
@@ -189,6 +202,22 @@ struct scree_return {
     double from[3], ahead[3]; /* where its state and its record were, m */
 };
 
+/* A sleeper that somebody may push, and what still contacts do to it: N s and N m s in a step. */
+struct scree_borderer {
+    int body;
+    double f[3], t[3];
+};
+
+/* Bodies that sleep (rest.h). */
+struct scree_rest {
+    double speed; /* m/s, below which bodies rest; 0: none ever sleeps */
+    double pull;  /* m/s^2 that forces may be off balance when they fall asleep; a quarter of what wakes them */
+    int asleep;   /* bodies */
+    int stale;    /* lists or sleepers aren't what they were when contacts were last looked through */
+    int borderers, *on_border; /* [place]: number in `border` and one, 0: not on it */
+    struct scree_borderer *border;
+};
+
 struct scree_contacts {
     const struct scree_loop *loop, *loop_for_few; /* for this processor */
     int materials;
@@ -227,6 +256,7 @@ struct scree_contacts {
     int moving_capacity;
     struct scree_moving *moving; /* scratch for contacts that change their batch on it (near.c) */
 
+    struct scree_rest rest;
     int substeps;           /* of the pair-impulse method */
     int measured;           /* sum up dissipation */
     double lost_normal;     /* J dissipated in normal direction so far */

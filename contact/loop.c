@@ -590,6 +590,7 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
     for (int k = 0; k < count; k++) {
         struct scree_record *record = &bodies->record[from + k];
         square[k] = 0.0;
+        if (bodies->class[from + k] == SCREE_CLASS_ASLEEP) continue;
         if (bodies->class[from + k] != SCREE_CLASS_BALL) {
             memset(record->f, 0, sizeof record->f);
             memset(record->t, 0, sizeof record->t);
@@ -606,10 +607,18 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
     return too_far;
 }
 
+static int all_sleep(const struct scree_bodies *bodies, int from, int count) {
+    int awake = 0;
+    for (int k = from; k < from + count; k++) awake |= bodies->class[k] != SCREE_CLASS_ASLEEP;
+    return !awake;
+}
+
 static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go) {
     int too_far = 0;
-    for (int k = from; k < to; k += SCREE_LANES)
-        too_far |= move_some(bodies, k, to - k < SCREE_LANES ? to - k : SCREE_LANES, go);
+    for (int k = from; k < to; k += SCREE_LANES) {
+        int count = to - k < SCREE_LANES ? to - k : SCREE_LANES;
+        if (!bodies->calm || !all_sleep(bodies, k, count)) too_far |= move_some(bodies, k, count, go);
+    }
     return too_far;
 }
 

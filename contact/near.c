@@ -305,6 +305,7 @@ static scree_status find_runs(const struct scree_contacts *contacts, const struc
 
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble) {
+    contacts->rest.stale = 1;
     int segments = bodies->order.slabs + 1;
     scree_status status = prepare_scratch(contacts, threads, segments, trouble);
     for (int b = 0; b < contacts->batches && !status; b++) {

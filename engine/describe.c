@@ -215,6 +215,10 @@ static void describe_step(const scree_scene *scene, FILE *file) {
                 scene->time.substeps > 1 ? "s" : "", scene->time.substeps ? scene->time.substeps : 2);
     else
         fprintf(file, "integrator: verlet%s\n", chosen ? " (left out: many bodies, or boxes)" : "");
+    if (scene->time.sleep > 0.0)
+        fprintf(file,
+                "sleep: below %.3g m/s, while forces are balanced within %.3g m/s^2; beyond %.3g m/s^2 they wake\n",
+                scene->time.sleep, scene->contacts.rest.pull, 4.0 * scene->contacts.rest.pull);
     fprintf(file, "step: %.9g s, %s\n", choice->step,
             scene->plan.trial   ? "by accuracy"
             : choice->automatic ? "automatic"

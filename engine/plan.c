@@ -1,5 +1,6 @@
 /* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
  * chosen from the stiffest contact that can happen. */
+#include "bodies/memory.h"
 #include "contact/grip.h"
 #include "contact/meet.h"
 #include "engine/hash.h"
@@ -464,7 +465,8 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
     struct scree_step_choice *choice = &scene->plan.choice;
     const struct scree_time_def *time = &scene->time;
     scene->plan.any_integrator = time->integrator == SCREE_ANY_INTEGRATOR;
-    if (scene->plan.any_integrator) scene->time.integrator = integrator_for(scene);
+    if (scene->plan.any_integrator)
+        scene->time.integrator = scene->time.sleep > 0.0 ? SCREE_VERLET : integrator_for(scene);
     choice->speed_given = time->speed > 0.0;
     choice->speed = choice->speed_given ? time->speed : estimate_speed(scene);
     scree_status status = time->accuracy > 0.0 ? make_trials(scene) : SCREE_OK;
@@ -723,6 +725,24 @@ static scree_status keep_impulses(struct scree_scene *scene) {
     return status;
 }
 
+/* What sleeping takes: room, and when forces count as balanced. */
+static scree_status allow_sleep(struct scree_scene *scene) {
+    struct scree_rest *rest = &scene->contacts.rest;
+    size_t count = (size_t)scene->bodies.count;
+    double pull = scene->time.sleep * pi / scene->plan.choice.duration, g = vec_norm(vec_from(scene->gravity.vector));
+    if (scene->gravity.tilts)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "sleep",
+                            "no body sleeps while gravity tilts: leave sleep out");
+    rest->speed = scene->time.sleep;
+    rest->pull = g > 0.0 ? fmin(pull, 0.01 * g) : pull;
+    rest->border = scree_memory((count + 1) * sizeof *rest->border);
+    rest->on_border = scree_memory((count + 1) * sizeof *rest->on_border);
+    scene->bodies.calm = scree_memory(count + 1);
+    if (!rest->border || !rest->on_border || !scene->bodies.calm)
+        return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for sleeping bodies");
+    return SCREE_OK;
+}
+
 /* Whether two boxes can meet, and not just as rectangles do, corner on side. */
 static int may_cross(const struct scree_scene *scene, int i, int j) {
     const struct scree_bodies *bodies = &scene->bodies;
@@ -777,6 +797,7 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status) status = plan_pairs_and_step(scene);
     int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE; /* the plan may have chosen it */
     if (!status && impulses) status = keep_impulses(scene);
+    if (!status && scene->time.sleep > 0.0) status = allow_sleep(scene);
     if (status) return status;
     scene->contacts.skin = choose_skin(&scene->bodies, scene->adaptive ? 16 : 256, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;

@@ -153,6 +153,7 @@ static uint64_t print_gravity(const scree_scene *scene) {
 
 static uint64_t print_integrator(const scree_scene *scene) {
     uint64_t hash = (uint64_t)scene->time.integrator + ((uint64_t)scene->time.substeps << 8);
+    if (scene->time.sleep > 0.0) HASH_ON(hash, scene->time.sleep);
     if (scene->time.integrator != SCREE_ADAPTIVE) return hash;
     HASH_ON(hash, scene->time.tolerance);
     HASH_ON(hash, scene->time.no_flight);
@@ -245,13 +246,14 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
 /* The part of the body at a place (the order of bodies is state, since sums follow it): the impulses of the last step are state too, since velocities are predicted from them; pair impulses look back
  * by two. */
 struct body_part {
-    int number, unused;
+    int number, calm; /* asleep: ~calm */
     double x[3], v[3], l[3];
     double q[4], f[3], t[3], past_f[2][3], past_t[2][3];
 };
 
 static struct body_part body_part(const struct scree_bodies *bodies, int k) {
     struct body_part part = {.number = bodies->number[k]};
+    if (bodies->calm) part.calm = bodies->class[k] == SCREE_CLASS_ASLEEP ? ~bodies->calm[k] : bodies->calm[k];
     memcpy(part.x, bodies->state[k].x, sizeof part.x);
     memcpy(part.v, bodies->state[k].v, sizeof part.v);
     memcpy(part.l, bodies->state[k].l, sizeof part.l);
@@ -356,6 +358,21 @@ static void take_places(struct scree_scene *scene, const struct scree_order *ord
     scree_bodies_mark_slabs(bodies);
 }
 
+/* Who slept, sleeps on; the others are awake. */
+static void take_sleepers(struct scree_scene *scene, const struct body_part *part) {
+    struct scree_bodies *bodies = &scene->bodies;
+    struct scree_rest *rest = &scene->contacts.rest;
+    rest->asleep = 0;
+    rest->stale = 1;
+    for (int k = 0; k < bodies->count; k++) {
+        int asleep = part[k].calm < 0;
+        bodies->calm[k] = (unsigned char)(asleep ? ~part[k].calm : part[k].calm);
+        if (bodies->class[k] == SCREE_CLASS_ASLEEP) bodies->class[k] = scree_awake_class(bodies, k);
+        if (asleep) bodies->class[k] = SCREE_CLASS_ASLEEP;
+        rest->asleep += asleep;
+    }
+}
+
 static scree_status apply(scree_scene *scene, const struct scalars *scalars, const struct scree_order *order,
                           const struct body_part *part, const struct memory *memory, long memories) {
     struct scree_bodies *bodies = &scene->bodies;
@@ -377,6 +394,7 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
         memcpy(bodies->past[k].f, part[k].past_f, sizeof part[k].past_f);
         memcpy(bodies->past[k].t, part[k].past_t, sizeof part[k].past_t);
     }
+    if (bodies->calm) take_sleepers(scene, part);
     scene->books_begun = scene->time.energy && !scalars->energy;
     if (!status && scene->books_begun) status = begin_books(scene);
     return status;

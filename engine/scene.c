@@ -436,7 +436,7 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
     const struct {
         const char *field;
         double value;
-    } numbers[] = {{"step", def->step}, {"divide", def->divide}, {"speed", def->speed}};
+    } numbers[] = {{"step", def->step}, {"divide", def->divide}, {"speed", def->speed}, {"sleep", def->sleep}};
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
         if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
@@ -460,6 +460,8 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "substeps",
                             "substeps must be 1 to 64 and belong to the integrator pair-impulse, got %d",
                             def->substeps);
+    if (def->sleep > 0.0 && def->integrator != SCREE_ANY_INTEGRATOR && def->integrator != SCREE_VERLET)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "sleep", "sleep belongs to the integrator verlet");
     if (def->watch != SCREE_WATCH_STOP && def->watch != SCREE_WATCH_HALVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "watch", "there is no watch of number %d",
                             (int)def->watch);

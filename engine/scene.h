@@ -41,7 +41,7 @@ struct scree_rule_trial {
 /* What the plan says about the scene. */
 struct scree_scene_plan {
     struct scree_step_choice choice;
-    int any_integrator; /* the scene has left it to the plan */
+    int any_integrator;             /* the scene has left it to the plan */
     struct scree_rule_trial *trial; /* owned; one a rule; NULL: no accuracy was asked for */
     int free, driven, fixed;        /* bodies */
     int balls, general;             /* free or driven ones, by class */

@@ -519,8 +519,8 @@ static void read_adaptive(struct scree_reader *r, const struct scree_toml *table
 }
 
 static void read_time(struct scree_reader *r) {
-    static const char *const keys[] = {"end",   "step",  "accuracy", "integrator", "substeps", "speed",
-                                       "force", "watch", "threads",  "tolerance",  "flight",   NULL};
+    static const char *const keys[] = {"end",   "step",    "accuracy",  "integrator", "substeps", "speed", "force",
+                                       "watch", "threads", "tolerance", "flight",     "sleep",    NULL};
     static const char *const integrators[] = {"auto", "verlet", "pair-impulse", "adaptive", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {
@@ -537,6 +537,7 @@ static void read_time(struct scree_reader *r) {
                               into(r)->every > 0.0 && into(r)->every < into(r)->end ? into(r)->every : into(r)->end,
                           .speed = scree_read_number(r, table, "speed", 0.0),
                           .force = scree_read_boolean(r, table, "force"),
+                          .sleep = scree_read_number(r, table, "sleep", 0.0),
                           .energy = (into(r)->request->write & SCREE_WRITE_ENERGY) != 0};
     if (step && step->type == SCREE_TOML_STRING) {
         if (strcmp(step->string, "auto") != 0) scree_complain(r, step, "step must be a number of seconds or \"auto\"");
@@ -563,6 +564,10 @@ static void read_time(struct scree_reader *r) {
     if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
         scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
     def.substeps = r->status ? 0 : (int)pieces;
+    const struct scree_toml *sleep = scree_toml_get(table, "sleep");
+    if (sleep && !(def.sleep > 0.0)) scree_complain(r, sleep, "sleep must be a speed > 0 m/s, got %g", def.sleep);
+    if (sleep && integrator && def.integrator != SCREE_VERLET && def.integrator != SCREE_ANY_INTEGRATOR)
+        scree_complain(r, sleep, "sleep goes with integrator = \"verlet\"; under another nobody sleeps");
     static const char *const watches[] = {"stop", "halve", NULL};
     const struct scree_toml *watch = scree_toml_get(table, "watch");
     if (watch) def.watch = (scree_watch)scree_choose(r, watch, "watch", watches);

@@ -38,10 +38,11 @@ typedef struct scree_gravity_def {
 } scree_gravity_def;
 
 typedef enum scree_integrator {
-    SCREE_ANY_INTEGRATOR = 0, /* with an accuracy: Verlet or pair impulses, whichever needs less time for it; else pair impulses if
+    SCREE_ANY_INTEGRATOR =
+        0,        /* with an accuracy: Verlet or pair impulses, whichever needs less time for it; else pair impulses if
                                  all that forces move are spheres, 1000 at most (few bodies whose every impact counts), and
                                  Verlet otherwise. Baking chooses */
-    SCREE_VERLET,             /* position Verlet with predicted velocities; second order */
+    SCREE_VERLET, /* position Verlet with predicted velocities; second order */
     SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more digits
                            from the same step for damped contacts, at several times the cost; second order */
     SCREE_ADAPTIVE, /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */
@@ -72,7 +73,11 @@ typedef struct scree_time_def {
     double speed;     /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
     int no_flight; /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at once */
-    int force;     /* accept a step beyond the stability limit */
+    /* m/s, with SCREE_VERLET: free balls and boxes that have been slower for a while, and balanced, are left alone until somebody pushes
+     * them; accelerations up to 4 pi times this over the duration of the shortest contact (at most a 25th of gravity's) go
+     * unnoticed then. 0: none sleeps */
+    double sleep;
+    int force; /* accept a step beyond the stability limit */
     scree_watch watch;
     int threads; /* 0: 1 */
     int energy;  /* keep the energy books (scree_scene_energy) */
@@ -163,6 +168,9 @@ SCREE_API scree_status scree_scene_bake(scree_scene *scene);
 
 /* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */
 SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
+
+/* How many bodies sleep. */
+SCREE_API int scree_scene_asleep(const scree_scene *scene);
 
 /* Advance by `steps` steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body faster
  * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then. If the watch

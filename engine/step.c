@@ -1,4 +1,5 @@
 /* One time step from top to bottom, and what stops a run. */
+#include "contact/rest.h"
 #include "engine/scene.h"
 
 #include <math.h>
@@ -6,6 +7,7 @@
 
 double scree_scene_time(const scree_scene *scene) { return (double)scene->steps * scene->step; }
 double scree_scene_step_length(const scree_scene *scene) { return scene->step; }
+int scree_scene_asleep(const scree_scene *scene) { return scene->contacts.rest.asleep; }
 long scree_scene_steps(const scree_scene *scene) { return scene->steps; }
 
 scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, int other, const char *cause) {
@@ -155,9 +157,17 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
     scree_bodies_advance_some(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
 }
 
-/* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than after a break. */
+/* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than after a break.
+ * Nor those that may fall asleep where they are. */
 static int may_hurry(const scree_scene *scene) {
-    return !scene->bodies.periodic || (scene->steps + 1) % STEPS_TO_RETURN != 0;
+    long next = scene->steps + 1;
+    return !(scene->bodies.periodic && next % STEPS_TO_RETURN == 0) &&
+           !(scene->time.sleep > 0.0 && scree_rest_is_look(next));
+}
+
+static void wake_or_rest(scree_scene *scene, const double gravity[3]) {
+    scree_rest_wake(&scene->contacts, &scene->bodies, scene->step, gravity, scene->ahead);
+    if (scree_rest_is_look(scene->steps)) scree_rest_look(&scene->contacts, &scene->bodies, scene->step, gravity);
 }
 
 static scree_status step_once(scree_scene *scene, int more) {
@@ -172,8 +182,11 @@ static scree_status step_once(scree_scene *scene, int more) {
         status = renew_list(scene, &scene->bodies);
         if (status) return status;
     }
+    status = scree_rest_prepare(&scene->contacts, &scene->bodies, scene->step, &scene->trouble);
+    if (status) return status;
     act_and_advance(scene, gravity, more && may_hurry(scene));
     scene->steps++;
+    if (scene->time.sleep > 0.0) wake_or_rest(scene, gravity);
     return scree_check_depth(scene, scree_scene_time(scene));
 }
 

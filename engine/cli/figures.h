@@ -12,8 +12,8 @@ struct figures {
     int plots;          /* gnuplot can be run; cleared when it turns out that it can't */
     int threads;
     enum process_contact contacts; /* of product and tines */
-    int verlet;                    /* scenes of the suites go by Verlet's method, but for those that ask for the adaptive one */
-    int silent;                    /* rows of the report go into the table only */
+    int verlet; /* scenes of the suites go by Verlet's method, but for those that ask for the adaptive one */
+    int silent; /* rows of the report go into the table only */
     int rows, missed;
     FILE *summary; /* table of the report, CSV */
     scree_trouble trouble;

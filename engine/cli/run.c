@@ -223,6 +223,8 @@ static void summarise(const struct run *run, const char *folder, double seconds,
         fprintf(stderr, "deepest overlap: %.3g of the tolerable, \"%s\" with \"%s\"\n", deepest,
                 scree_shown(scree_scene_body_name(run->scene, ball)).text,
                 scree_shown(scree_scene_body_name(run->scene, host)).text);
+    if (run->scene->time.sleep > 0.0)
+        fprintf(stderr, "asleep: %d of %d that forces move\n", scree_scene_asleep(run->scene), run->scene->plan.free);
     fprintf(stderr, "state hash: %016llx\n", (unsigned long long)scree_scene_hash(run->scene));
     fprintf(stderr, "written to %s\n", folder);
 }
