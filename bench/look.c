@@ -2,6 +2,7 @@
 #include "bench/bench.h"
 
 #include "engine/cli/cli.h"
+#include "engine/scene.h"
 #include "engine/scene_file.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@ static const char help[] =
     "moving sphere (coordination); share of the volume that is filled between a tenth and seven tenths of the height\n"
     "(packing); kinetic and rotational energy a sphere (J); mean height and speed along x (m, m/s); deepest overlap "
     "in\n"
-    "radii.\n"
+    "radii; normal forces of walls, over the weight: what they bear of it, and what they press sideways.\n"
     "\n"
     "example: scree-bench look data/scenes/bed.toml\n";
 
@@ -22,11 +23,14 @@ struct look {
     int spheres, contacts;
     double low[3], high[3]; /* of what the moving spheres fill */
     double packing, kinetic, rotational, height, speed, deepest;
+    double weight, borne, aside; /* N: of the spheres; of the walls' normal forces against gravity, and across it */
 };
 
 static int is_grain(const scree_scene *scene, int k) {
     return scree_scene_body_shape(scene, k).kind == SCREE_SPHERE && scree_scene_body_moves(scene, k);
 }
+
+static double size_of(const double a[3]) { return vec_norm(vec_from(a)); }
 
 static void look_at_bodies(const scree_scene *scene, struct look *look) {
     for (int axis = 0; axis < 3; axis++) {
@@ -42,6 +46,7 @@ static void look_at_bodies(const scree_scene *scene, struct look *look) {
             look->high[axis] = fmax(look->high[axis], state.position[axis] + r);
         }
         look->spheres++;
+        look->weight += m * size_of(scene->gravity.vector);
         look->kinetic += 0.5 * m * vec_norm2(vec_from(state.velocity));
         look->rotational += 0.5 * 0.4 * m * r * r * vec_norm2(vec_from(state.spin));
         look->height += state.position[2];
@@ -77,7 +82,12 @@ static int look_at_contacts(scree_scene *scene, struct look *look) {
     }
     for (int k = 0; k < count; k++) {
         scree_shape ball = scree_scene_body_shape(scene, state[k].ball);
-        look->contacts += scree_scene_body_shape(scene, state[k].host).kind == SCREE_SPHERE;
+        int wall = scree_scene_body_shape(scene, state[k].host).kind != SCREE_SPHERE;
+        double down =
+            vec_dot(vec_from(state[k].normal), vec_from(scene->gravity.vector)) / size_of(scene->gravity.vector);
+        look->contacts += !wall;
+        look->borne -= wall * state[k].normal_force * down;
+        look->aside += wall * state[k].normal_force * sqrt(fmax(1.0 - down * down, 0.0));
         look->deepest = fmax(look->deepest, state[k].overlap / ball.radius);
     }
     free(state);
@@ -108,8 +118,10 @@ int bench_look(int count, char **words) {
     scree_scene_destroy(scene);
     if (failed) return cli_complain("no memory for the contacts"), EXIT_MISSED;
     double n = look.spheres > 0 ? look.spheres : 1;
-    printf("spheres,contacts,coordination,packing,kinetic_J,rotational_J,height_m,speed_m_s,deepest_radii\n");
-    printf("%d,%d,%.4f,%.4f,%.4g,%.4g,%.6g,%.6g,%.4g\n", look.spheres, look.contacts, 2.0 * look.contacts / n,
-           look.packing, look.kinetic / n, look.rotational / n, look.height / n, look.speed / n, look.deepest);
+    printf("spheres,contacts,coordination,packing,kinetic_J,rotational_J,height_m,speed_m_s,deepest_radii,"
+           "borne_of_weight,aside_of_weight\n");
+    printf("%d,%d,%.4f,%.4f,%.4g,%.4g,%.6g,%.6g,%.4g,%.5f,%.5f\n", look.spheres, look.contacts, 2.0 * look.contacts / n,
+           look.packing, look.kinetic / n, look.rotational / n, look.height / n, look.speed / n, look.deepest,
+           look.borne / look.weight, look.aside / look.weight);
     return EXIT_GOOD;
 }

@@ -1,13 +1,15 @@
 #!/bin/sh
 # Does scree arrive at the same beds and flows as other programs? Spheres that begin a little elsewhere (another seed of the
 # lattice's jitter) end elsewhere; what all share, and how far it scatters from start to start, is printed for each program:
-# mean and standard deviation of each quantity of `scree-bench look`.
+# mean and standard deviation of each quantity of `scree-bench look`, and by how many standard errors of the difference the mean is off
+# scree's.
 usage='usage: settle.sh BUILD SCENE [STARTS [STEPS [PROGRAM...]]]
 
 BUILD   a build folder of scree
-SCENE   bed (10,000 spheres fall and settle: 30,000 steps by default), chute (31,200 flow, from a settled state, its
-        places shifted by 1e-6 of a diameter at random: 10,000 steps)
+SCENE   bed (10,000 spheres fall and settle: 3000, 10,000 and 30,000 steps by default), chute (31,200 flow, from a settled
+        state, its places shifted by 1e-6 of a diameter at random: 10,000 steps)
 STARTS  how many (default 4)
+STEPS   after which to look; several in quotes: the whole run to each of them
 PROGRAM which run (default: scree lammps liggghts)
 
 example: bench/peers/settle.sh build bed 4'
@@ -15,7 +17,7 @@ example: bench/peers/settle.sh build bed 4'
 build=$(realpath "$1") scene=$2 starts=${3:-4}
 here=$(realpath "$(dirname "$0")")
 case $scene in
-bed) steps=${4:-30000} ;;
+bed) steps=${4:-3000 10000 30000} ;;
 chute) steps=${4:-10000} ;;
 *) echo "$usage" >&2; exit 2 ;;
 esac
@@ -40,24 +42,31 @@ start_of() { # start_of N: a table of spheres
 rm -f "$work/rows.csv"
 for n in $(seq "$starts"); do
     start_of "$n" >"$work/start.csv"
-    # shellcheck disable=SC2086
-    "$here/peers.sh" "$build" "$scene" 1 "$steps" "$work/start.csv" $programs | sed 1d | tee -a "$work/rows.csv" >&2
+    for many in $steps; do
+        # shellcheck disable=SC2086
+        "$here/peers.sh" "$build" "$scene" 1 "$many" "$work/start.csv" $programs | sed 1d | tee -a "$work/rows.csv" >&2
+    done
 done
 grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: /# /'
 awk -F, 'FNR == 1 { columns = NF; for (k = 8; k <= NF; k++) name[k] = $k }
     $1 != "scene" {
-        if (!($2 in runs)) order[++programs] = $2
-        runs[$2]++
-        for (k = 8; k <= NF; k++) { sum[$2, k] += $k; square[$2, k] += $k * $k }
+        if (!(($3, $2) in runs)) { order[++rows] = $2; at[rows] = $3 }
+        runs[$3, $2]++
+        for (k = 8; k <= NF; k++) { sum[$3, $2, k] += $k; square[$3, $2, k] += $k * $k }
+    }
+    function mean(r, p, k) { return sum[r, p, k] / runs[r, p] }
+    function variance(r, p, k, n, v) {
+        n = runs[r, p]
+        v = square[r, p, k] / n - mean(r, p, k) ^ 2
+        return (n > 1 && v > 0) ? v * n / (n - 1) : 0
     }
     END {
-        print "program,starts,quantity,mean,deviation"
-        for (p = 1; p <= programs; p++)
+        print "steps,program,starts,quantity,mean,deviation,off_scree_in_standard_errors"
+        for (p = 1; p <= rows; p++)
             for (k = 8; k <= columns; k++) {
-                n = runs[order[p]]
-                mean = sum[order[p], k] / n
-                spread = square[order[p], k] / n - mean * mean
-                deviation = (n > 1 && spread > 0) ? sqrt(spread * n / (n - 1)) : 0
-                printf "%s,%d,%s,%.7g,%.2g\n", order[p], n, name[k], mean, deviation
+                r = at[p]
+                error = sqrt((variance(r, order[p], k) + variance(r, "scree", k)) / runs[r, order[p]])
+                off = error > 0 ? (mean(r, order[p], k) - mean(r, "scree", k)) / error : 0
+                printf "%d,%s,%d,%s,%.7g,%.2g,%.1f\n", r, order[p], runs[r, order[p]], name[k], mean(r, order[p], k), sqrt(variance(r, order[p], k)), off
             }
     }' "$work/rows.csv"
