@@ -263,7 +263,7 @@ static void run(const struct request *request) {
 int bench_hot(int count, char **words) {
     const char *integrator = "verlet", *bodies = "10000", *threads = "1", *steps = "100", *repeats = "9",
                *settle = "15000", *tiles = "1";
-    struct request request = {.laws = "mindlin"};
+    struct request request = {.laws = "mindlin", .integrator = SCREE_VERLET};
     const struct cli_option options[] = {{.name = "--bodies", .value = &bodies},
                                          {.name = "--threads", .value = &threads},
                                          {.name = "--steps", .value = &steps},

@@ -41,7 +41,7 @@ static FILE *begin_scene(struct run *run, size_t *size, const struct grains *g) 
         return NULL;
     }
     fprintf(file,
-            "gravity = [0, 0, -9.81]\n[time]\nend = %g\nstep = %g\nspeed = %g\n%s"
+            "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = %g\nstep = %g\nspeed = %g\n%s"
             "[[material]]\nname = \"m1\"\ndensity = 2500\nyoung = %g\npoisson = 0.2\n"
             "[[material]]\nname = \"m2\"\ndensity = 2000\nyoung = %g\npoisson = 0.2\n"
             "[[material]]\nname = \"wall\"\ndensity = 7200\nyoung = %g\npoisson = 0.2\n"
