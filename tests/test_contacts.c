@@ -334,22 +334,25 @@ static void momenta(const scree_scene *scene, struct vec *p, struct vec *l) {
     }
 }
 
-static void check_momenta(const char *const *changes, int count) {
+/* An impact changes the momentum by rounding; by how much the angular momentum, over itself. */
+static double lost_momentum(const char *const *changes, int count) {
     scree_scene *scene = scene_from(two_text, changes, count, 0);
     struct vec p, l, p_after, l_after;
     momenta(scene, &p, &l);
     double met = 0.0;
     for (int k = 0; k < 30; k++) {
-        go(scene, 100);
+        go(scene, lround(1e-3 / scree_scene_step_length(scene)));
         met = fmax(met, scree_scene_deepest(scene, NULL, NULL));
     }
     momenta(scene, &p_after, &l_after);
     CHECK(met > 0.01);
-    /* Impulses are equal and opposite at one point: what remains is rounding, some 1e-16 of the largest terms a step. */
     CHECK(vec_norm(vec_sub(p_after, p)) < 1e-13 * vec_norm(p));
-    CHECK(vec_norm(vec_sub(l_after, l)) < 1e-12 * vec_norm(l));
     scree_scene_destroy(scene);
+    return vec_norm(vec_sub(l_after, l)) / vec_norm(l);
 }
+
+/* Impulses are equal and opposite at one point: what remains is rounding, some 1e-16 of the largest terms a step. */
+static void check_momenta(const char *const *changes, int count) { CHECK(lost_momentum(changes, count) < 1e-12); }
 
 static void test_momentum(void) {
     static const char *const boxes[] = {"body.a.shape={box=[0.02,0.015,0.018], rounding=0.003}",
@@ -357,6 +360,13 @@ static void test_momentum(void) {
     check_momenta(NULL, 0);
     check_momenta(boxes, 1); /* the sphere b on the box a */
     check_momenta(boxes, 2);
+    /* Pair impulses act at one point too, but along a course that the bodies follow to second order only: 16 times less at a
+     * quarter of the step, but for the phase of the touch. */
+    const char *impulses[] = {"time.integrator=\"pair-impulse\"", "time.step=1e-5"};
+    double coarse = lost_momentum(impulses, 2);
+    impulses[1] = "time.step=2.5e-6";
+    double fine = lost_momentum(impulses, 2);
+    CHECK(coarse < 1e-6 && fine < coarse / 8.0);
 }
 
 /* ---- the loop against the laws, one contact at a time ---- */
