@@ -211,10 +211,14 @@ static void describe_step(const scree_scene *scene, FILE *file) {
     int chosen = scene->plan.any_integrator && !scene->plan.trial; /* else the trials say why */
     if (scene->time.integrator == SCREE_PAIR_IMPULSE)
         fprintf(file, "integrator: pair-impulse%s, %d substep%s of a contact in a step, with friction %d\n",
-                chosen ? " (left out: few spheres)" : "", scene->time.substeps ? scene->time.substeps : 1,
-                scene->time.substeps > 1 ? "s" : "", scene->time.substeps ? scene->time.substeps : 2);
+                chosen ? " (chosen: only few spheres are moved by forces)" : "",
+                scene->time.substeps ? scene->time.substeps : 1, scene->time.substeps > 1 ? "s" : "",
+                scene->time.substeps ? scene->time.substeps : 2);
     else
-        fprintf(file, "integrator: verlet%s\n", chosen ? " (left out: many bodies, or boxes)" : "");
+        fprintf(file, "integrator: verlet%s\n",
+                !chosen                   ? ""
+                : scene->time.sleep > 0.0 ? " (chosen: bodies may sleep)"
+                                          : " (chosen: many bodies, or boxes, are moved by forces)");
     if (scene->time.sleep > 0.0)
         fprintf(file,
                 "sleep: below %.3g m/s, while forces are balanced within %.3g m/s^2; beyond %.3g m/s^2 they wake\n",

@@ -38,11 +38,10 @@ typedef struct scree_gravity_def {
 } scree_gravity_def;
 
 typedef enum scree_integrator {
-    SCREE_ANY_INTEGRATOR =
-        0,        /* with an accuracy: Verlet or pair impulses, whichever needs less time for it; else pair impulses if
-                                 all that forces move are spheres, 1000 at most (few bodies whose every impact counts), and
-                                 Verlet otherwise. Baking chooses */
-    SCREE_VERLET, /* position Verlet with predicted velocities; second order */
+    /* Baking chooses. With an accuracy: Verlet or pair impulses, whichever needs less time for it; else pair impulses if all that forces
+     * move are spheres, 1000 at most (few bodies whose every impact counts), and Verlet otherwise, or if bodies may sleep. */
+    SCREE_ANY_INTEGRATOR = 0,
+    SCREE_VERLET,       /* position Verlet with predicted velocities; second order */
     SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more digits
                            from the same step for damped contacts, at several times the cost; second order */
     SCREE_ADAPTIVE, /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */

@@ -334,8 +334,9 @@ static void test_left_out(void) {
             cases[k].shape, cases[k].count > 1 ? cases[k].count - 1 : 1);
         scree_scene *scene = scene_from(text, NULL, 0, 1);
         CHECK(scene->time.integrator == cases[k].expected);
-        says(scene, cases[k].expected == SCREE_VERLET ? "integrator: verlet (left out: many bodies, or boxes)"
-                                                      : "integrator: pair-impulse (left out: few spheres)");
+        says(scene, cases[k].expected == SCREE_VERLET
+                        ? "integrator: verlet (chosen: many bodies, or boxes, are moved by forces)"
+                        : "integrator: pair-impulse (chosen: only few spheres are moved by forces)");
         scree_scene_destroy(scene);
         const char *given = "time.integrator=\"verlet\"", *open = "time.integrator=\"auto\"";
         scene = scene_from(text, &given, 1, 1);
