@@ -240,6 +240,9 @@ struct scree_contacts {
     int pairs, *end, *partner;
     int planes, *plane; /* bodies without bounds */
     double skin;        /* contacts with a gap up to this are in the outer list, m */
+    double least_skin;  /* what it is at first; where lists last too short it grows (list.c), */
+    double most_skin;   /* as far as this; m */
+    long listed_at;     /* step of the last outer list that a margin asked for */
     double step;        /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
     double *spare;      /* per body: way that its margin may still take out of its half of the skin, m */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
@@ -283,9 +286,9 @@ const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contac
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 
-/* After bodies have outgrown their margins (path > skin/2): pick near contacts anew from the outer list, or make
+/* After bodies have outgrown their margins (path > skin/2), in step number `steps`: pick near contacts anew from the outer list, or make
  * both lists anew if a body has used up its half of the skin. */
-scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, long steps, int threads,
                                   scree_trouble *trouble);
 
 /* Put the bodies in the order of space, and the lists with them; the second only if they have got out of it. */

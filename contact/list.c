@@ -435,17 +435,30 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
-scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+/* Few fast bodies ask for an outer list again and again, though all others hardly move: a wider skin makes it longer, but not by as much as
+ * it lasts. With 2000 ns for a list and some 80 ns for each time that near contacts are picked from it, both for each body, less than a
+ * hundred steps are too few. No result depends on it. */
+static void fit_skin(struct scree_contacts *contacts, long steps) {
+    enum { SHORT = 100, LONG = 1000 };
+    long age = steps - contacts->listed_at;
+    if (age < SHORT) contacts->skin = fmax(fmin(1.5 * contacts->skin, contacts->most_skin), contacts->skin);
+    if (age > LONG) contacts->skin = fmin(fmax(contacts->skin / 1.5, contacts->least_skin), contacts->skin);
+    contacts->listed_at = steps;
+}
+
+scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, long steps, int threads,
                                   scree_trouble *trouble) {
-    double half = 0.5 * contacts->skin, steps = 0.0;
+    double half = 0.5 * contacts->skin, last = 0.0;
     if (are_many(contacts, bodies))
-        steps = steps_ahead(contacts, bodies);
+        last = steps_ahead(contacts, bodies);
     else
         limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
-        if (!grant(contacts, bodies, k, steps)) return scree_contacts_list(contacts, bodies, threads, trouble);
+        if (grant(contacts, bodies, k, last)) continue;
+        fit_skin(contacts, steps);
+        return scree_contacts_list(contacts, bodies, threads, trouble);
     }
     contacts->renewals++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);

@@ -421,7 +421,7 @@ scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_b
     if (status) return status;
     for (int b = 0; b < contacts->batches; b++) rename_bodies(&contacts->batch[b], bodies->number);
     uint64_t *key = contacts->rough.memory;
-    scree_bodies_sort(bodies, contacts->skin, key, (int *)(key + count));
+    scree_bodies_sort(bodies, contacts->least_skin, key, (int *)(key + count));
     for (int b = 0; b < contacts->batches; b++) {
         rename_bodies(&contacts->batch[b], bodies->place);
         sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->rough.memory);

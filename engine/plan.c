@@ -15,7 +15,7 @@
 static const double steps_per_contact = 50.0, share_of_limit = 0.2, share_of_impulse_limit = 0.5;
 static const double pi = 3.14159265358979323846;
 
-enum { few_spheres = 1000 };
+enum { few_spheres = 1000, few_bodies = 256 };
 
 /* Time of a step of pair impulses over that of a Verlet step, without and with friction, for choosing between them: of impacts 3.2
  * to 4.3 and 5 to 8, of a box that slides 16 (scree-bench precision, data/bench/precision.csv). */
@@ -674,6 +674,23 @@ static scree_status check_domain(struct scree_scene *scene) {
     return SCREE_OK;
 }
 
+/* Where bodies are many, lists may come to look as far as the mean body is thick by half; not so far that one meets itself. */
+static void bound_skin(struct scree_scene *scene) {
+    struct scree_contacts *contacts = &scene->contacts;
+    const struct scree_bodies *bodies = &scene->bodies;
+    double mean = 0.0, widest = HUGE_VAL;
+    for (int k = 0; k < bodies->count; k++) {
+        double half = scree_shape_half_width(&scree_kind_of(bodies, k)->shape);
+        if (half < HUGE_VAL) mean += half / bodies->count;
+        for (int axis = 0; axis < 3; axis++)
+            if (bodies->period[axis] > 0.0)
+                widest = fmin(widest, 0.5 * (bodies->period[axis] - 2.0 * bodies->record[k].radius));
+    }
+    int many = bodies->count > few_bodies && !scene->adaptive;
+    contacts->least_skin = contacts->skin;
+    contacts->most_skin = many ? fmin(fmax(mean, contacts->skin), widest) : contacts->skin;
+}
+
 /* A body must not meet itself: its image stays beyond what the list looks ahead. */
 static scree_status check_period(struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
@@ -799,10 +816,11 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status && impulses) status = keep_impulses(scene);
     if (!status && scene->time.sleep > 0.0) status = allow_sleep(scene);
     if (status) return status;
-    scene->contacts.skin = choose_skin(&scene->bodies, scene->adaptive ? 16 : 256, scene->plan.choice.reach);
+    scene->contacts.skin = choose_skin(&scene->bodies, scene->adaptive ? 16 : few_bodies, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
     scene->contacts.step = scene->adaptive ? 0.0 : scene->step;
     status = check_period(scene);
+    bound_skin(scene);
     if (!status) status = scree_contacts_sort(&scene->contacts, &scene->bodies, 1, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);

@@ -197,8 +197,8 @@ static void warn_of_haste(const struct run *run) {
     cli_complain("warning: \"%s\" moved, or its tips did, up to %.3g m in one step, %.2g of what the list of contacts "
                  "looks ahead: "
                  "contacts that it only grazes come out wrong by percents",
-                 scree_shown(scree_scene_body_name(scene, scene->hastiest)).text, scene->hasty * scene->contacts.skin,
-                 scene->hasty);
+                 scree_shown(scree_scene_body_name(scene, scene->hastiest)).text,
+                 scene->hasty * scene->contacts.least_skin, scene->hasty);
 }
 
 static void summarise_effort(const struct run *run, double seconds) {
