@@ -674,21 +674,24 @@ static scree_status check_domain(struct scree_scene *scene) {
     return SCREE_OK;
 }
 
-/* Where bodies are many, lists may come to look as far as the mean body is thick by half; not so far that one meets itself. */
+/* Where bodies are many, and some thinner than others, lists may come to look farther by as much as the mean body is wider than the least (of
+ * bodies that are alike a wider skin would take memory, and hardly less time); not so far that one meets itself. */
 static void bound_skin(struct scree_scene *scene) {
     struct scree_contacts *contacts = &scene->contacts;
     const struct scree_bodies *bodies = &scene->bodies;
-    double mean = 0.0, widest = HUGE_VAL;
+    double mean = 0.0, thinnest = HUGE_VAL, widest = HUGE_VAL;
+    int thick = 0;
     for (int k = 0; k < bodies->count; k++) {
         double half = scree_shape_half_width(&scree_kind_of(bodies, k)->shape);
-        if (half < HUGE_VAL) mean += half / bodies->count;
+        thinnest = fmin(thinnest, half);
+        if (half < HUGE_VAL) mean += (half - mean) / ++thick;
         for (int axis = 0; axis < 3; axis++)
             if (bodies->period[axis] > 0.0)
                 widest = fmin(widest, 0.5 * (bodies->period[axis] - 2.0 * bodies->record[k].radius));
     }
     int many = bodies->count > few_bodies && !scene->adaptive;
     contacts->least_skin = contacts->skin;
-    contacts->most_skin = many ? fmin(fmax(mean, contacts->skin), widest) : contacts->skin;
+    contacts->most_skin = many && thick ? fmin(contacts->skin + 2.0 * (mean - thinnest), widest) : contacts->skin;
 }
 
 /* A body must not meet itself: its image stays beyond what the list looks ahead. */
