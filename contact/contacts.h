@@ -281,6 +281,11 @@ void scree_contacts_destroy(struct scree_contacts *contacts);
 const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                              int i, int j, int *missing);
 
+/* How far lists look at first, and at most: wide where bodies are `few` or fewer (lists cost little, making them anew does), narrow where
+ * they are many; always beyond `reach`, m, of the laws. Before the first list. */
+void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct scree_bodies *bodies, int few,
+                                double reach);
+
 /* Make outer and near lists from the records as they are; carries contact memory over, gives every body its margin: `path` in
  * its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists can't be used. */
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,

@@ -435,6 +435,27 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
+/* No list may drop a contact that still holds, hence 1.5 times the reach. Where bodies are many, and some thinner than others, lists may come
+ * to look farther by as much as the mean body is wider than the least (of bodies that are alike a wider skin would take memory, and hardly
+ * less time); not so far that one meets itself. */
+void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct scree_bodies *bodies, int few,
+                                double reach) {
+    double mean = 0.0, thinnest = HUGE_VAL, widest = HUGE_VAL;
+    int thick = 0;
+    for (int k = 0; k < bodies->count; k++) {
+        double half = scree_shape_half_width(&scree_kind_of(bodies, k)->shape);
+        thinnest = fmin(thinnest, half);
+        if (half < HUGE_VAL) mean += (half - mean) / ++thick;
+        for (int axis = 0; axis < 3; axis++)
+            if (bodies->period[axis] > 0.0)
+                widest = fmin(widest, 0.5 * (bodies->period[axis] - 2.0 * bodies->record[k].radius));
+    }
+    if (!thick) thinnest = mean = 1.0;
+    double skin = fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
+    contacts->skin = contacts->least_skin = skin;
+    contacts->most_skin = bodies->count > few ? fmin(skin + 2.0 * (mean - thinnest), widest) : skin;
+}
+
 /* Few fast bodies ask for an outer list again and again, though all others hardly move: a wider skin makes it longer, but not by as much as
  * it lasts. With 2000 ns for a list and some 80 ns for each time that near contacts are picked from it, both for each body, less than a
  * hundred steps are too few. No result depends on it. */

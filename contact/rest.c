@@ -2,6 +2,7 @@
 #include "contact/rest.h"
 
 #include "bodies/balls.h"
+#include "bodies/memory.h"
 #include "contact/loop.h"
 
 #include <string.h>
@@ -10,6 +11,19 @@
 enum { LOOK = 64, ENOUGH = 16, SETTLED = ENOUGH + 1 };
 
 int scree_rest_is_look(long steps) { return steps % LOOK == 0; }
+
+scree_status scree_rest_allow(struct scree_contacts *contacts, struct scree_bodies *bodies, double speed, double pull,
+                              scree_trouble *trouble) {
+    size_t count = (size_t)bodies->count + 1;
+    struct scree_rest *rest = &contacts->rest;
+    rest->speed = speed;
+    rest->pull = pull;
+    rest->border = scree_memory(count * sizeof *rest->border);
+    rest->on_border = scree_memory(count * sizeof *rest->on_border);
+    bodies->calm = scree_memory(count);
+    if (rest->border && rest->on_border && bodies->calm) return SCREE_OK;
+    return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d bodies that may sleep", bodies->count);
+}
 
 static int moves(const struct scree_bodies *bodies, int k) {
     return bodies->class[k] == SCREE_CLASS_BALL || bodies->class[k] == SCREE_CLASS_GENERAL;

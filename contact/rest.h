@@ -18,6 +18,10 @@ static inline int scree_is_still(const struct scree_bodies *bodies, const struct
            (host == SCREE_CLASS_FIXED || host == SCREE_CLASS_ASLEEP);
 }
 
+/* Let bodies sleep that are slower than `speed`, m/s, with forces off balance by less than `pull`, m/s^2. SCREE_NO_MEMORY. */
+scree_status scree_rest_allow(struct scree_contacts *contacts, struct scree_bodies *bodies, double speed, double pull,
+                              scree_trouble *trouble);
+
 /* Before the step's contacts: see which are still, and load the border with what these press. SCREE_NO_MEMORY. */
 scree_status scree_rest_prepare(struct scree_contacts *contacts, struct scree_bodies *bodies, double step,
                                 scree_trouble *trouble);

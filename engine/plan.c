@@ -1,8 +1,8 @@
 /* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
  * chosen from the stiffest contact that can happen. */
-#include "bodies/memory.h"
 #include "contact/grip.h"
 #include "contact/meet.h"
+#include "contact/rest.h"
 #include "engine/hash.h"
 #include "engine/scene.h"
 
@@ -15,7 +15,7 @@
 static const double steps_per_contact = 50.0, share_of_limit = 0.2, share_of_impulse_limit = 0.5;
 static const double pi = 3.14159265358979323846;
 
-enum { few_spheres = 1000, few_bodies = 256 };
+enum { few_spheres = 1000 };
 
 /* Time of a step of pair impulses over that of a Verlet step, without and with friction, for choosing between them: of impacts 3.2
  * to 4.3 and 5 to 8, of a box that slides 16 (scree-bench precision, data/bench/precision.csv). */
@@ -628,16 +628,6 @@ static scree_status check_turning(struct scree_scene *scene) {
     return SCREE_OK;
 }
 
-/* Gap up to which contacts are listed. Wide where bodies are few (lists cost little, making them anew does), narrow
- * where they are many; and always beyond the reach of the laws, so that no list drops a contact that still holds. */
-static double choose_skin(const struct scree_bodies *bodies, int few, double reach) {
-    double thinnest = HUGE_VAL;
-    for (int k = 0; k < bodies->count; k++)
-        thinnest = fmin(thinnest, scree_shape_half_width(&scree_kind_of(bodies, k)->shape));
-    if (!(thinnest < HUGE_VAL)) thinnest = 1.0;
-    return fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
-}
-
 /* Bodies start in the domain; only what has no end along a periodic axis, or fits into it twice, may be there. */
 static scree_status check_domain(struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
@@ -672,26 +662,6 @@ static scree_status check_domain(struct scree_scene *scene) {
         }
     }
     return SCREE_OK;
-}
-
-/* Where bodies are many, and some thinner than others, lists may come to look farther by as much as the mean body is wider than the least (of
- * bodies that are alike a wider skin would take memory, and hardly less time); not so far that one meets itself. */
-static void bound_skin(struct scree_scene *scene) {
-    struct scree_contacts *contacts = &scene->contacts;
-    const struct scree_bodies *bodies = &scene->bodies;
-    double mean = 0.0, thinnest = HUGE_VAL, widest = HUGE_VAL;
-    int thick = 0;
-    for (int k = 0; k < bodies->count; k++) {
-        double half = scree_shape_half_width(&scree_kind_of(bodies, k)->shape);
-        thinnest = fmin(thinnest, half);
-        if (half < HUGE_VAL) mean += (half - mean) / ++thick;
-        for (int axis = 0; axis < 3; axis++)
-            if (bodies->period[axis] > 0.0)
-                widest = fmin(widest, 0.5 * (bodies->period[axis] - 2.0 * bodies->record[k].radius));
-    }
-    int many = bodies->count > few_bodies && !scene->adaptive;
-    contacts->least_skin = contacts->skin;
-    contacts->most_skin = many && thick ? fmin(contacts->skin + 2.0 * (mean - thinnest), widest) : contacts->skin;
 }
 
 /* A body must not meet itself: its image stays beyond what the list looks ahead. */
@@ -745,22 +715,14 @@ static scree_status keep_impulses(struct scree_scene *scene) {
     return status;
 }
 
-/* What sleeping takes: room, and when forces count as balanced. */
+/* When forces count as balanced: within what the slowness asked for comes to in the shortest contact. */
 static scree_status allow_sleep(struct scree_scene *scene) {
-    struct scree_rest *rest = &scene->contacts.rest;
-    size_t count = (size_t)scene->bodies.count;
     double pull = scene->time.sleep * pi / scene->plan.choice.duration, g = vec_norm(vec_from(scene->gravity.vector));
     if (scene->gravity.tilts)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "sleep",
                             "no body sleeps while gravity tilts: leave sleep out");
-    rest->speed = scene->time.sleep;
-    rest->pull = g > 0.0 ? fmin(pull, 0.01 * g) : pull;
-    rest->border = scree_memory((count + 1) * sizeof *rest->border);
-    rest->on_border = scree_memory((count + 1) * sizeof *rest->on_border);
-    scene->bodies.calm = scree_memory(count + 1);
-    if (!rest->border || !rest->on_border || !scene->bodies.calm)
-        return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for sleeping bodies");
-    return SCREE_OK;
+    if (g > 0.0) pull = fmin(pull, 0.01 * g);
+    return scree_rest_allow(&scene->contacts, &scene->bodies, scene->time.sleep, pull, &scene->trouble);
 }
 
 /* Whether two boxes can meet, and not just as rectangles do, corner on side. */
@@ -819,11 +781,10 @@ static scree_status bake(struct scree_scene *scene) {
     if (!status && impulses) status = keep_impulses(scene);
     if (!status && scene->time.sleep > 0.0) status = allow_sleep(scene);
     if (status) return status;
-    scene->contacts.skin = choose_skin(&scene->bodies, scene->adaptive ? 16 : few_bodies, scene->plan.choice.reach);
+    scree_contacts_choose_skin(&scene->contacts, &scene->bodies, scene->adaptive ? 16 : 256, scene->plan.choice.reach);
     scene->contacts.measured = scene->time.energy;
     scene->contacts.step = scene->adaptive ? 0.0 : scene->step;
     status = check_period(scene);
-    bound_skin(scene);
     if (!status) status = scree_contacts_sort(&scene->contacts, &scene->bodies, 1, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
     if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
