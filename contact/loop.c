@@ -320,14 +320,6 @@ static void press_gathered(const struct scree_contacts *contacts, const struct s
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
 }
 
-/* All passes but the last. */
-static void press(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                  const struct scree_batch *batch, const struct ends *ends, int first, int count, double step,
-                  struct block *b) {
-    gather(bodies, batch->contact + first, ends, count, batch->geometry, b);
-    press_gathered(contacts, batch, first, count, step, b);
-}
-
 /* The last pass. */
 static void finish(const struct scree_contacts *contacts, const struct scree_batch *batch, const struct block *b,
                    int count, double step, struct scree_yield *yield) {
@@ -544,15 +536,22 @@ static void note_slopes(const struct block *b, const struct scree_contact *conta
     }
 }
 
-/* The ends of a block before it is due, so that the records of partners are on their way from memory; balls come in rows anyway. */
-static void foresee_ends(const struct scree_bodies *bodies, const struct scree_contact *contact, int left,
-                         struct ends *ends) {
-    int count = left < SCREE_LANES ? left : SCREE_LANES;
-    if (count <= 0) return;
-    find_ends(bodies, contact, count, ends);
-    for (int k = 0; k < count; k++)
-        for (size_t line = 0; line < sizeof(struct scree_record); line += 64)
-            __builtin_prefetch((const char *)ends->host[k] + line, 1);
+/* A quarter of what the blocks to come need is asked for after each pass: partners of the next one (balls come in rows anyway), contacts
+ * and memory of the one after. Asked for at once it would wait in a queue, and the passes behind it. */
+static SCREE_INLINE void call(const void *array, size_t offset, size_t size) {
+    for (size_t line = 0; line < size; line += 64)
+        __builtin_prefetch((const void *)((uintptr_t)array + offset + line), 1);
+}
+
+enum { QUARTER = SCREE_LANES / 4 };
+static SCREE_INLINE void call_ahead(const struct scree_batch *batch, int first, const struct ends *next, int left,
+                                    int quarter) {
+    int from = quarter * QUARTER, to = left < from + QUARTER ? left : from + QUARTER;
+    size_t later = (size_t)(first + 2 * SCREE_LANES + from);
+    for (int k = from; k < to; k++) call(next->host[k], 0, sizeof *next->host[k]);
+    call(batch->contact, later * sizeof *batch->contact, QUARTER * sizeof *batch->contact);
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (batch->kept[m]) call(batch->kept[m], later * sizeof(double), QUARTER * sizeof(double));
 }
 
 static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
@@ -564,12 +563,19 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     const struct scree_contact *contact = batch->contact + first;
     int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
     int deeds = deeds_of(batch, rule), turn = 0;
-    foresee_ends(bodies, contact, count, &ends[turn]);
+    find_ends(bodies, contact, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
     for (int done = 0; done < count; done += SCREE_LANES, contact += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
-        foresee_ends(bodies, contact + here, count - done - here, &ends[!turn]);
-        press(contacts, bodies, batch, &ends[turn], first + done, here, step, &b);
+        int left = count - done - here < SCREE_LANES ? count - done - here : SCREE_LANES;
+        const struct ends *next = &ends[!turn];
+        if (left) find_ends(bodies, contact + here, left, &ends[!turn]);
+        call_ahead(batch, first + done, next, left, 0);
+        gather(bodies, contact, &ends[turn], here, batch->geometry, &b);
+        call_ahead(batch, first + done, next, left, 1);
+        press_gathered(contacts, batch, first + done, here, step, &b);
+        call_ahead(batch, first + done, next, left, 2);
         push(&ends[turn], &b, here, batch, deeds, step);
+        call_ahead(batch, first + done, next, left, 3);
         note_depths(&b, contact, here, tally);
         if (batch->slope != 0.0) note_slopes(&b, contact, here, batch->slope, step, tally);
         if (contacts->measured) {
@@ -582,6 +588,8 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
 
 /* ---- bodies ---- */
 
+enum { FAR = 24 }; /* bodies between one that moves and the one whose state is asked for; records are at hand */
+
 /* In two passes over some bodies at a time: a root at the end of each body's chain would hold up the next. */
 static int move_some(struct scree_bodies *bodies, int from, int count, const struct scree_departure *go) {
     double square[SCREE_LANES], way[SCREE_LANES];
@@ -589,6 +597,7 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
     int too_far = 0;
     for (int k = 0; k < count; k++) {
         struct scree_record *record = &bodies->record[from + k];
+        call(&bodies->state[from + k], FAR * sizeof *bodies->state, sizeof *bodies->state);
         square[k] = 0.0;
         if (bodies->class[from + k] == SCREE_CLASS_ASLEEP) continue;
         if (bodies->class[from + k] != SCREE_CLASS_BALL) {
