@@ -33,6 +33,21 @@ scree_scene *bench_scene_text(const char *text, const char *const *changes, int 
 /* Step; prints the reason and ends the program if the simulation stops. */
 void bench_step(scree_scene *scene, long steps);
 
+/* Pseudo-random number between 0 and 1 (Knuth's linear congruence). */
+double bench_random(uint64_t *seed);
+
+/* Spheres as they begin; velocities and spins are zero at first. Free with bench_free_spheres. */
+struct bench_spheres {
+    int count;
+    double (*position)[3], (*velocity)[3], (*spin)[3], *radius; /* m, m/s, rad/s, m */
+};
+struct bench_spheres bench_make_spheres(int count);
+void bench_free_spheres(struct bench_spheres *spheres);
+
+/* Out of a bed of small spheres on a floor of `edge` x `edge`, one of sizes up to `ratio` times as large: larger ones take the place of
+ * those that are in their way. */
+struct bench_spheres bench_mix_sizes(const struct bench_spheres *small, double edge, double ratio);
+
 /* Print compiler, flags and processor, as comment lines of a CSV file. */
 void bench_describe_machine(void);
 

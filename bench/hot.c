@@ -11,7 +11,7 @@
 
 static const char help[] =
     "usage: scree-bench hot [--bodies N] [--threads N] [--steps N] [--repeats N] [--settle N] [--laws NAME]\n"
-    "                       [--integrator NAME] [--write FILE] [--read FILE] [--tiles N]\n"
+    "                       [--integrator NAME] [--write FILE] [--read FILE] [--tiles N] [--ratio N]\n"
     "\n"
     "Time a step of a settled bed: spheres of 1 mm radius, 2500 kg/m^3, E = 1e7 Pa, nu = 0.25, e = 0.6, mu = 0.5, "
     "within five walls,\n"
@@ -23,7 +23,10 @@ static const char help[] =
     "spring alone. --integrator verlet (default) or pair-impulse. --write keeps the settled bed (positions, "
     "velocities, spins), --read takes it up again, so that "
     "builds can be\n"
-    "compared on one bed; --tiles lays it out N by N times within the walls (N*N*bodies spheres). Columns: processor's "
+    "compared on one bed; --tiles lays it out N by N times within the walls (N*N*bodies spheres); --ratio puts "
+    "spheres\n"
+    "up to N times as large in the place of others, each size sqrt(10) times the next and a hundredth as often. "
+    "Columns: processor's "
     "path (SCREE_ISA=baseline, avx2 or avx512 asks for one), laws, bodies, "
     "threads;\n"
     "nanoseconds per body and step, median of the repeats and least, and those of the contacts run alone; contacts "
@@ -36,8 +39,15 @@ static const char help[] =
     "\n"
     "example: scree-bench hot --bodies 10000 --steps 100 --repeats 9\n";
 
-enum { MOST_REPEATS = 1000 };
+enum { MOST_REPEATS = 1000, WALLS = 5 };
 static const double radius = 1e-3;
+
+struct request {
+    const char *laws, *write, *read;
+    scree_integrator integrator;
+    int bodies, threads, steps, repeats, settle, tiles;
+    double ratio;
+};
 
 struct bed {
     int bodies, side; /* spheres of a tile; along each edge of its floor */
@@ -55,16 +65,11 @@ static struct bed bed_of(int bodies, int tiles) {
     return bed;
 }
 
-/* Pseudo-random number between -1 and 1 (Knuth's linear congruence). */
-static double jitter(uint64_t *seed) {
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) * 0x1p-52 - 1.0;
-}
-
 /* On a lattice of spacing 2.2 radii, with jitter. */
 static void place_sphere(const struct bed *bed, int k, uint64_t *seed, double position[3]) {
     int at[3] = {k % bed->side, k / bed->side % bed->side, k / (bed->side * bed->side)};
-    for (int axis = 0; axis < 3; axis++) position[axis] = (1.3 + 2.2 * at[axis] + 0.09 * jitter(seed)) * radius;
+    for (int axis = 0; axis < 3; axis++)
+        position[axis] = (1.3 + 2.2 * at[axis] + 0.09 * (2.0 * bench_random(seed) - 1.0)) * radius;
 }
 
 static void check(scree_scene *scene, scree_status status) {
@@ -83,7 +88,7 @@ static void add_wall(scree_scene *scene, const char *name, double x, double y, c
     check(scene, scree_scene_add_body(scene, &def, NULL));
 }
 
-static void add_laws(scree_scene *scene, const char *laws) {
+static void add_laws(scree_scene *scene, const char *laws, int materials) {
     scree_contact_def contact = {.between = {0, 0}};
     scree_law_choice hertz = {"tsuji", 1, {{"restitution", 0.6}}};
     scree_law_choice mindlin = {"mindlin", 3, {{"static", 0.5}, {"kinetic", 0.5}, {"damping", 0.16}}};
@@ -100,7 +105,12 @@ static void add_laws(scree_scene *scene, const char *laws) {
         contact.normal = plain;
         contact.friction.law = NULL;
     }
-    check(scene, scree_scene_add_contact(scene, &contact));
+    for (int a = 0; a < materials; a++)
+        for (int b = a; b < materials; b++) {
+            contact.between[0] = a;
+            contact.between[1] = b;
+            check(scene, scree_scene_add_contact(scene, &contact));
+        }
 }
 
 /* Position, velocity and spin of a sphere. */
@@ -119,53 +129,68 @@ static struct stored *read_bed(const char *name, int bodies) {
 }
 
 /* The spheres of all tiles; as in a tile that was read if there is one. */
-static void add_spheres(scree_scene *scene, const struct bed *bed, const struct stored *start) {
-    int count = bed->bodies * bed->tiles * bed->tiles;
-    double(*positions)[3] = malloc((size_t)count * sizeof *positions);
-    double(*velocities)[3] = start ? malloc((size_t)count * sizeof *velocities) : NULL;
-    double(*spins)[3] = start ? malloc((size_t)count * sizeof *spins) : NULL;
-    if (!positions || (start && (!velocities || !spins))) exit(cli_complain("no memory for %d spheres", count));
+static struct bench_spheres lay_out(const struct bed *bed, const struct stored *start) {
+    struct bench_spheres spheres = bench_make_spheres(bed->bodies * bed->tiles * bed->tiles);
     uint64_t seed = 1;
-    for (int k = 0; k < count; k++) {
+    for (int k = 0; k < spheres.count; k++) {
         int tile = k / bed->bodies, own = k % bed->bodies;
-        place_sphere(bed, own, &seed, positions[k]);
+        place_sphere(bed, own, &seed, spheres.position[k]);
         if (start) {
-            memcpy(positions[k], start[own].position, sizeof *positions);
-            memcpy(velocities[k], start[own].velocity, sizeof *velocities);
-            memcpy(spins[k], start[own].spin, sizeof *spins);
+            memcpy(spheres.position[k], start[own].position, sizeof *spheres.position);
+            memcpy(spheres.velocity[k], start[own].velocity, sizeof *spheres.velocity);
+            memcpy(spheres.spin[k], start[own].spin, sizeof *spheres.spin);
         }
-        positions[k][0] += tile % bed->tiles * bed->edge;
-        positions[k][1] += tile / bed->tiles * bed->edge;
+        spheres.position[k][0] += tile % bed->tiles * bed->edge;
+        spheres.position[k][1] += tile / bed->tiles * bed->edge;
+        spheres.radius[k] = radius;
     }
-    scree_spheres_def def = {.name = "s", .count = count, .radius = radius, .material = 0};
-    def.positions = (const double(*)[3])positions;
-    def.velocities = (const double(*)[3])velocities;
-    def.spins = (const double(*)[3])spins;
+    return spheres;
+}
+
+static void add_some(scree_scene *scene, const struct bench_spheres *all, int first, int count, int material) {
+    scree_spheres_def def = {.name = material ? "light" : "s", .count = count, .material = material};
+    def.positions = (const double(*)[3])(all->position + first);
+    def.velocities = (const double(*)[3])(all->velocity + first);
+    def.spins = (const double(*)[3])(all->spin + first);
+    def.radii = all->radius + first;
     check(scene, scree_scene_add_spheres(scene, &def, NULL));
-    free(positions);
-    free(velocities);
-    free(spins);
+}
+
+/* Spheres so large that they would crush the others are light; they come first. */
+static void add_spheres(scree_scene *scene, const struct bed *bed, double ratio, const struct stored *start) {
+    struct bench_spheres spheres = lay_out(bed, start);
+    if (ratio > 1.0) {
+        struct bench_spheres mixed = bench_mix_sizes(&spheres, bed->tiles * bed->edge, ratio);
+        bench_free_spheres(&spheres);
+        spheres = mixed;
+    }
+    int light = 0;
+    while (light < spheres.count && spheres.radius[light] > 11.0 * radius) light++;
+    if (light > 0) add_some(scene, &spheres, 0, light, 1);
+    add_some(scene, &spheres, light, spheres.count - light, 0);
+    bench_free_spheres(&spheres);
 }
 
 /* A bed as it begins. */
-static scree_scene *make_bed(const struct bed *bed, const char *laws, scree_integrator integrator, int threads,
-                             const struct stored *start) {
+static scree_scene *make_bed(const struct bed *bed, const struct request *request, const struct stored *start) {
     scree_scene *scene = scree_scene_create();
     if (!scene) exit(EXIT_MISSED);
     scree_material_def glass = {.name = "glass", .density = 2500.0, .young = 1e7, .poisson = 0.25};
+    scree_material_def light = {.name = "light", .density = 2.5, .young = 1e7, .poisson = 0.25};
     scree_gravity_def gravity = {.vector = {0.0, 0.0, -9.81}};
-    scree_time_def time = {.step = 1e-5, .threads = threads, .speed = 0.5, .integrator = integrator};
+    scree_time_def time = {.step = 1e-5, .threads = request->threads, .speed = 0.5, .integrator = request->integrator};
     double edge = bed->tiles * bed->edge;
     check(scene, scree_scene_add_material(scene, &glass, NULL));
+    if (request->ratio > 10.0) check(scene, scree_scene_add_material(scene, &light, NULL));
     check(scene, scree_scene_set_gravity(scene, &gravity));
     check(scene, scree_scene_set_time(scene, &time));
-    add_laws(scene, laws);
+    add_laws(scene, request->laws, request->ratio > 10.0 ? 2 : 1);
     add_wall(scene, "floor", 0.0, 0.0, (double[]){0.0, 0.0, 1.0});
     add_wall(scene, "west", 0.0, 0.0, (double[]){1.0, 0.0, 0.0});
     add_wall(scene, "east", edge, 0.0, (double[]){-1.0, 0.0, 0.0});
     add_wall(scene, "south", 0.0, 0.0, (double[]){0.0, 1.0, 0.0});
     add_wall(scene, "north", 0.0, edge, (double[]){0.0, -1.0, 0.0});
-    add_spheres(scene, bed, start);
+    add_spheres(scene, bed, request->ratio, start);
     check(scene, scree_scene_bake(scene));
     return scene;
 }
@@ -173,7 +198,7 @@ static scree_scene *make_bed(const struct bed *bed, const char *laws, scree_inte
 static void write_bed(const scree_scene *scene, const char *name) {
     FILE *file = fopen(name, "wb");
     int failed = !file;
-    for (int k = 5; k < scree_scene_bodies(scene) && !failed; k++) {
+    for (int k = WALLS; k < scree_scene_bodies(scene) && !failed; k++) {
         scree_body_state state = scree_scene_body(scene, k);
         failed |= fwrite(state.position, sizeof state.position, 1, file) != 1;
         failed |= fwrite(state.velocity, sizeof state.velocity, 1, file) != 1;
@@ -223,20 +248,14 @@ static int count_touching(const scree_scene *scene) {
     return count;
 }
 
-struct request {
-    const char *laws, *write, *read;
-    scree_integrator integrator;
-    int bodies, threads, steps, repeats, settle, tiles;
-};
-
 static void run(const struct request *request) {
     static double times[MOST_REPEATS];
     struct bed bed = bed_of(request->bodies, request->tiles);
-    int bodies = request->bodies * request->tiles * request->tiles;
     double before = resident();
     struct stored *start = request->read ? read_bed(request->read, request->bodies) : NULL;
-    scree_scene *scene = make_bed(&bed, request->laws, request->integrator, request->threads, start);
+    scree_scene *scene = make_bed(&bed, request, start);
     free(start);
+    int bodies = scree_scene_bodies(scene) - WALLS;
     bench_step(scene, request->settle);
     if (request->write) write_bed(scene, request->write);
     long lists = scene->contacts.rebuilds, renewals = scene->contacts.renewals, listed = 0;
@@ -262,19 +281,15 @@ static void run(const struct request *request) {
 
 int bench_hot(int count, char **words) {
     const char *integrator = "verlet", *bodies = "10000", *threads = "1", *steps = "100", *repeats = "9",
-               *settle = "15000", *tiles = "1";
+               *settle = "15000", *tiles = "1", *ratio = "1";
     struct request request = {.laws = "mindlin", .integrator = SCREE_VERLET};
-    const struct cli_option options[] = {{.name = "--bodies", .value = &bodies},
-                                         {.name = "--threads", .value = &threads},
-                                         {.name = "--steps", .value = &steps},
-                                         {.name = "--repeats", .value = &repeats},
-                                         {.name = "--settle", .value = &settle},
-                                         {.name = "--laws", .value = &request.laws},
-                                         {.name = "--integrator", .value = &integrator},
-                                         {.name = "--write", .value = &request.write},
-                                         {.name = "--read", .value = &request.read},
-                                         {.name = "--tiles", .value = &tiles},
-                                         {0}};
+    const struct cli_option options[] = {
+        {.name = "--bodies", .value = &bodies},         {.name = "--threads", .value = &threads},
+        {.name = "--steps", .value = &steps},           {.name = "--repeats", .value = &repeats},
+        {.name = "--settle", .value = &settle},         {.name = "--laws", .value = &request.laws},
+        {.name = "--integrator", .value = &integrator}, {.name = "--write", .value = &request.write},
+        {.name = "--read", .value = &request.read},     {.name = "--tiles", .value = &tiles},
+        {.name = "--ratio", .value = &ratio},           {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (strcmp(integrator, "pair-impulse") == 0)
@@ -287,7 +302,10 @@ int bench_hot(int count, char **words) {
     request.repeats = cli_whole_number(repeats, "--repeats", MOST_REPEATS);
     request.settle = cli_whole_number(settle, "--settle", 100000000);
     request.tiles = cli_whole_number(tiles, "--tiles", 30);
-    if (!request.bodies || !request.tiles || !request.threads || !request.steps || !request.repeats || !request.settle)
+    request.ratio = cli_whole_number(ratio, "--ratio", 1000);
+    if (request.ratio > 1.0 && !request.read) return cli_complain("--ratio takes a settled bed: --read FILE");
+    if (!request.bodies || !request.tiles || !request.threads || !request.steps || !request.repeats ||
+        !request.settle || !request.ratio)
         return EXIT_USAGE;
     bench_describe_machine();
     printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"
