@@ -430,8 +430,19 @@ void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodie
 int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,
                      const struct scree_contact *contact);
 
-/* The order of contacts in a segment; negative: a before b. */
-int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment);
+/* The order of contacts in a segment; negative: a before b. In a slab's segment by the body that comes first, so that memory is walked;
+ * else by ball, partner, corner. */
+static inline uint64_t scree_rank(const struct scree_contact *contact, int segment) {
+    int swap = segment > 0 && contact->host < contact->ball;
+    int first = swap ? contact->host : contact->ball, second = swap ? contact->ball : contact->host;
+    return (uint64_t)first << 32 | (uint64_t)second;
+}
+
+static inline int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment) {
+    uint64_t one = scree_rank(a, segment), other = scree_rank(b, segment);
+    int order = (one > other) - (one < other);
+    return order || segment > 0 ? order : (a->corner > b->corner) - (a->corner < b->corner);
+}
 
 /* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. What is above it can't touch before
  * the bodies have gone as much, both together. `overlap`: of the cores of two boxes (scree_cores_overlap). */

@@ -68,19 +68,6 @@ int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch
     return (a < b ? b - a : a - b) > 1 ? 0 : 1 + low;
 }
 
-static int order(int a, int b) { return (a > b) - (a < b); }
-
-/* In a slab's segment by the body that comes first, so that memory is walked; else by ball, partner, corner. */
-int scree_compare_contacts(const struct scree_contact *a, const struct scree_contact *b, int segment) {
-    if (segment == 0) {
-        int by_ball = order(a->ball, b->ball), by_host = order(a->host, b->host);
-        return by_ball ? by_ball : by_host ? by_host : order(a->corner, b->corner);
-    }
-    int first_a = a->ball < a->host ? a->ball : a->host, first_b = b->ball < b->host ? b->ball : b->host;
-    int by_first = order(first_a, first_b);
-    return by_first ? by_first : order(a->ball + a->host - first_a, b->ball + b->host - first_b);
-}
-
 static int compare_loose(const void *a, const void *b) { return scree_compare_contacts(a, b, 0); }
 
 /* Candidates come sorted by their lower body, which isn't always the ball: put segment 0 in order. */

@@ -147,15 +147,17 @@ static int sees_edges(struct sight *sight, const struct scree_bodies *bodies, co
     return sight->next < sight->count && sight->code[sight->next] == contact->corner;
 }
 
-/* Whether a contact may touch before its bodies have gone `left`, both together. Spheres take a short way. */
-static inline int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
-                          const struct scree_contact *contact, double left, struct sight *sight) {
+/* What is left of the margins of two bodies. */
+static inline double left_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                             const struct scree_contact *contact) {
+    double half = 0.5 * contacts->skin;
+    return (half - bodies->record[contact->ball].path) + (half - bodies->record[contact->host].path);
+}
+
+/* Whether a contact may touch before its bodies have gone `left`, both together. */
+static int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                   const struct scree_contact *contact, double left, struct sight *sight) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    if (batch->geometry == SCREE_BALL_BALL && contact->corner == 0) {
-        double reach = ball->radius + host->radius + left, x = ball->x[0] - host->x[0], y = ball->x[1] - host->x[1];
-        double z = ball->x[2] - host->x[2];
-        return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
-    }
     if (batch->geometry == SCREE_EDGE_EDGE) return sees_edges(sight, bodies, contact, left);
     if (batch->geometry == SCREE_BALL_IMAGE)
         return vec_norm(scree_apart(bodies, contact, SCREE_BALL_IMAGE)) - ball->radius - host->radius <= left;
@@ -164,26 +166,57 @@ static inline int is_near(const struct scree_bodies *bodies, const struct scree_
     return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
 }
 
+/* The same of two spheres, without a root. */
+static inline int are_near(const struct scree_bodies *bodies, const struct scree_contact *contact, double left) {
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    double reach = ball->radius + host->radius + left, x = ball->x[0] - host->x[0], y = ball->x[1] - host->x[1];
+    double z = ball->x[2] - host->x[2];
+    return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
+}
+
+/* Some contacts of a segment's outer list, and which of them are near. Chance decides that: so nothing branches on it. */
+struct view {
+    struct scree_contact contact[SCREE_LANES];
+    unsigned char near[SCREE_LANES];
+};
+
+static void look_over(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_batch *batch, int s, int first, int count, struct sight *sight,
+                      struct view *view) {
+    for (int k = 0; k < count; k++) view->contact[k] = scree_outer(batch, s, first + k);
+    for (int k = 0; k < count; k++) {
+        const struct scree_contact *one = &view->contact[k];
+        double left = left_of(contacts, bodies, one);
+        if (batch->geometry == SCREE_BALL_BALL && one->corner == 0)
+            view->near[k] = (unsigned char)are_near(bodies, one, left);
+        else
+            view->near[k] = (unsigned char)is_near(bodies, batch, one, left, sight);
+    }
+}
+
 /* The new list of a segment into the scratch: what is near enough, and what keeps something. Returns its length. */
 static int pick(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
     if (segment->outer_count == 0) return 0;
     const struct scree_contact *old = batch->contact + segment->first;
-    double *column[SCREE_MEMORY + SCREE_PAST], half = 0.5 * contacts->skin;
+    double *column[SCREE_MEMORY + SCREE_PAST];
     int columns = columns_of(batch, column), count = 0, before = 0;
     struct sight sight;
+    struct view view;
     sight.ball = sight.host = -1;
     for (int k = 0; k < segment->outer_count; k++) {
-        struct scree_contact one = scree_outer(batch, s, k);
-        int order = -1;
-        while (before < segment->count && (order = scree_compare_contacts(&old[before], &one, s)) < 0) before++;
-        int same = before < segment->count && order == 0;
-        double left = (half - bodies->record[one.ball].path) + (half - bodies->record[one.host].path);
-        int near = is_near(bodies, batch, &one, left, &sight);
-        if (!near && !(same && keeps_something(column, columns, segment->first + before))) continue;
-        scratch->contact[count] = one;
-        scratch->from[count++] = same ? before : -1;
+        int lane = k % SCREE_LANES, left = segment->outer_count - k;
+        if (lane == 0) look_over(contacts, bodies, batch, s, k, left < SCREE_LANES ? left : SCREE_LANES, &sight, &view);
+        const struct scree_contact one = view.contact[lane];
+        int near = view.near[lane];
+        while (before < segment->count && scree_compare_contacts(&old[before], &one, s) < 0) before++;
+        int same = before < segment->count && scree_compare_contacts(&old[before], &one, s) == 0;
+        if (same && !near) near = keeps_something(column, columns, segment->first + before);
+        scratch->contact[count] = one; /* counts if it is near */
+        scratch->from[count] = same ? before : -1;
+        count += near;
+        before += same;
     }
     return count;
 }
