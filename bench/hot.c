@@ -305,7 +305,7 @@ int bench_hot(int count, char **words) {
     request.ratio = cli_whole_number(ratio, "--ratio", 1000);
     if (request.ratio > 1.0 && !request.read) return cli_complain("--ratio takes a settled bed: --read FILE");
     if (!request.bodies || !request.tiles || !request.threads || !request.steps || !request.repeats ||
-        !request.settle || !request.ratio)
+        !request.settle || request.ratio < 1.0)
         return EXIT_USAGE;
     bench_describe_machine();
     printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"

@@ -536,19 +536,23 @@ static void note_slopes(const struct block *b, const struct scree_contact *conta
     }
 }
 
-/* A quarter of what the blocks to come need is asked for after each pass: partners of the next one (balls come in rows anyway), contacts
- * and memory of the one after. Asked for at once it would wait in a queue, and the passes behind it. */
+/* So that it is at hand later. */
 static SCREE_INLINE void call(const void *array, size_t offset, size_t size) {
     for (size_t line = 0; line < size; line += 64)
         __builtin_prefetch((const void *)((uintptr_t)array + offset + line), 1);
 }
 
+/* A quarter of what the blocks to come need is asked for after each pass: bodies of the next one, contacts and memory of the one after.
+ * Asked for at once it would wait in a queue, and the passes behind it. */
 enum { QUARTER = SCREE_LANES / 4 };
 static SCREE_INLINE void call_ahead(const struct scree_batch *batch, int first, const struct ends *next, int left,
                                     int quarter) {
     int from = quarter * QUARTER, to = left < from + QUARTER ? left : from + QUARTER;
     size_t later = (size_t)(first + 2 * SCREE_LANES + from);
-    for (int k = from; k < to; k++) call(next->host[k], 0, sizeof *next->host[k]);
+    for (int k = from; k < to; k++) {
+        call(next->host[k], 0, sizeof *next->host[k]);
+        call(next->ball[k], 0, sizeof *next->ball[k]);
+    }
     call(batch->contact, later * sizeof *batch->contact, QUARTER * sizeof *batch->contact);
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->kept[m]) call(batch->kept[m], later * sizeof(double), QUARTER * sizeof(double));
