@@ -180,9 +180,21 @@ struct view {
     unsigned char near[SCREE_LANES];
 };
 
+/* So that it is at hand when the next ones are looked over: where a body is, and its path. */
+static inline void call(const struct scree_record *record) {
+    __builtin_prefetch(record->x);
+    __builtin_prefetch(record->f);
+}
+
 static void look_over(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                       const struct scree_batch *batch, int s, int first, int count, struct sight *sight,
                       struct view *view) {
+    int end = batch->segment[s].outer_count;
+    for (int k = first + count; k < first + count + SCREE_LANES && k < end; k++) {
+        struct scree_contact next = scree_outer(batch, s, k);
+        call(&bodies->record[next.ball]);
+        call(&bodies->record[next.host]);
+    }
     for (int k = 0; k < count; k++) view->contact[k] = scree_outer(batch, s, first + k);
     for (int k = 0; k < count; k++) {
         const struct scree_contact *one = &view->contact[k];
