@@ -119,22 +119,34 @@ static int bounds_meet(const struct scree_bodies *bodies, int i, int j, double s
     return vec_norm2(apart) <= reach * reach;
 }
 
-/* What looks for partners, and where it puts what it finds. */
+/* What looks for partners, and where it puts what it finds; bodies in the cells of the one that looks are weighed many at once. */
+enum { SEEN = 64 };
 struct seeker {
     const struct scree_contacts *contacts;
     const struct scree_bodies *bodies;
     const struct grids *grids;
     struct scree_found *found;
     struct scree_body_pair *pair; /* of this part */
+    int count, seen[SEEN];
 };
 
-/* Take up the pair if its bounds and its materials meet; what there is no room for is counted. */
+/* Take up a pair whose bounds meet, if its materials do; what there is no room for is counted. */
 static void add_pair(struct seeker *s, int i, int j) {
     struct scree_found *found = s->found;
-    if (!bounds_meet(s->bodies, i, j, s->contacts->skin)) return;
     if (!scree_contacts_rule(s->contacts, s->bodies, i, j, NULL)) return;
     if (found->count < found->capacity) s->pair[found->count] = (struct scree_body_pair){i < j ? i : j, i < j ? j : i};
     found->count++;
+}
+
+/* Which of those that body k has seen it may meet is a matter of chance: so nothing branches on it. */
+static void weigh(struct seeker *s, int k) {
+    int near[SEEN], count = 0;
+    for (int n = 0; n < s->count; n++) {
+        near[count] = s->seen[n];
+        count += bounds_meet(s->bodies, k, s->seen[n], s->contacts->skin);
+    }
+    for (int n = 0; n < count; n++) add_pair(s, k, near[n]);
+    s->count = 0;
 }
 
 /* Partners of body k in the cell of a key; `after`: only those of higher number, in its own cell, so that each pair is found
@@ -143,7 +155,10 @@ static void look_into(struct seeker *s, int k, uint64_t mixed, int after) {
     const struct grids *grids = s->grids;
     uint32_t key = (uint32_t)mixed;
     for (int other = grids->place[key & grids->last_place]; other >= 0; other = grids->next[other])
-        if (grids->key[other] == key && other != k && !(after && other < k)) add_pair(s, k, other);
+        if (grids->key[other] == key && other != k && !(after && other < k)) {
+            if (s->count == SEEN) weigh(s, k);
+            s->seen[s->count++] = other;
+        }
 }
 
 /* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are enough, since
@@ -206,10 +221,12 @@ static void look_around(struct seeker *s, int k, int level) {
 /* All partners of body k that it is its turn to find. */
 static void look(struct seeker *s, int k) {
     const struct scree_contacts *contacts = s->contacts;
-    for (int p = 0; p < contacts->planes; p++) add_pair(s, contacts->plane[p], k);
+    for (int p = 0; p < contacts->planes; p++)
+        if (bounds_meet(s->bodies, contacts->plane[p], k, contacts->skin)) add_pair(s, contacts->plane[p], k);
     look_beside(s, k);
     for (int level = s->grids->level[k] + !s->bodies->periodic; level <= s->grids->highest; level++)
         if (s->grids->used[level]) look_around(s, k, level);
+    weigh(s, k);
 }
 
 /* The partners of a body, from `first` to `end`, in order as they come, from place `kept` on; those found twice, through cells with
@@ -265,8 +282,8 @@ static int search(struct scree_contacts *contacts, const struct scree_bodies *bo
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
-        struct seeker seeker = {contacts, bodies, grids, found,
-                                (struct scree_body_pair *)contacts->listed.memory + found->first};
+        struct seeker seeker = {
+            contacts, bodies, grids, found, (struct scree_body_pair *)contacts->listed.memory + found->first, 0, {0}};
         long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
         found->count = 0;
         for (int k = (int)from; k < to; k++)
