@@ -7,18 +7,26 @@
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { LEVELS = 64 };
 
-/* The finest grid's cell, and which grids hold bodies. Per body its grid, its cell's key and the next body of the chain; the first
- * body of each chain. */
+/* A body in its column of cells, one above the other along z; columns go by a key. */
+struct occupant {
+    uint32_t column;
+    int body;
+};
+
+/* The finest grid's cell, and which grids hold bodies; the grid of each body. A column's key tells the place of its cell 0, and others follow
+ * cell by cell: bodies that are next to each other along z lie side by side. Those of a place begin at `start`; columns that
+ * overlap mix. */
 struct grids {
     double finest;
     int used[LEVELS];
     int highest;
-    uint32_t *key;
-    int *next, *place;
-    uint32_t last_place; /* number of places, a power of two, less one */
+    struct occupant *occupant;
+    int *start;
+    uint32_t places; /* a power of two */
     unsigned char *level;
 };
 
@@ -37,15 +45,16 @@ static scree_status make_grids(struct scree_contacts *contacts, size_t bodies, s
                                scree_trouble *trouble) {
     size_t places = 16;
     while (places < bodies) places *= 2;
-    scree_status status = scree_make_space(&contacts->rough, (places + 2 * bodies) * sizeof(int) + bodies, trouble);
+    size_t size = bodies * (sizeof(struct occupant) + 1) + (places + 2) * sizeof(int);
+    scree_status status = scree_make_space(&contacts->rough, size, trouble);
     if (status) return status;
-    int *memory = contacts->rough.memory;
+    struct occupant *occupant = contacts->rough.memory;
+    int *start = (int *)(occupant + bodies);
     *grids = (struct grids){.finest = HUGE_VAL,
-                            .place = memory,
-                            .next = memory + places,
-                            .key = (uint32_t *)(memory + places + bodies),
-                            .level = (unsigned char *)(memory + places + 2 * bodies),
-                            .last_place = (uint32_t)(places - 1)};
+                            .occupant = occupant,
+                            .start = start,
+                            .places = (uint32_t)places,
+                            .level = (unsigned char *)(start + places + 2)};
     return SCREE_OK;
 }
 
@@ -80,7 +89,7 @@ static double in_box(const struct scree_bodies *bodies, double x, int axis) {
     return x - bodies->period[axis] * scree_periods_off(bodies, x, axis);
 }
 
-/* A cell's key, mixed axis by axis (Murmur's mixer, Appleby 2011); equal keys of different cells only cost time. */
+/* A column's key, mixed axis by axis (Murmur's mixer, Appleby 2011); equal keys of different columns only cost time. */
 static uint64_t mix(uint64_t key, double cell) {
     key = (key ^ (uint64_t)(int64_t)cell) * 0xff51afd7ed558ccdu;
     return key ^ key >> 32;
@@ -88,22 +97,41 @@ static uint64_t mix(uint64_t key, double cell) {
 
 static uint64_t key_of_level(int level) { return 0x9e3779b97f4a7c15u * (uint64_t)(level + 1); }
 
-static uint32_t key_of(int level, const double cell[3]) {
-    return (uint32_t)mix(mix(mix(key_of_level(level), cell[0]), cell[1]), cell[2]);
+static uint32_t column_of(uint64_t row, double y) { return (uint32_t)mix(row, y); }
+
+static uint32_t place_in(const struct grids *grids, uint32_t column, double z) {
+    return (column + (uint32_t)(int64_t)z) & (grids->places - 1);
 }
 
-/* Each cell's bodies as a chain; cells whose keys fall on one place share a chain. */
+static void cell_at(const struct scree_bodies *bodies, const struct grids *grids, int k, double cell[3]) {
+    double size = cell_size(grids, grids->level[k]);
+    for (int axis = 0; axis < 3; axis++) cell[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
+}
+
+/* The column of body k, and the place of its cell. */
+static uint32_t column_at(const struct scree_bodies *bodies, const struct grids *grids, int k, uint32_t *place) {
+    double cell[3];
+    cell_at(bodies, grids, k, cell);
+    uint32_t column = column_of(mix(key_of_level(grids->level[k]), cell[0]), cell[1]);
+    *place = place_in(grids, column, cell[2]);
+    return column;
+}
+
+/* By place, and there by number: a count of each place gives its start. */
 static void fill_cells(const struct scree_bodies *bodies, struct grids *grids) {
-    for (size_t k = 0; k <= grids->last_place; k++) grids->place[k] = -1;
-    for (int k = bodies->count - 1; k >= 0; k--) {
+    int *start = grids->start;
+    uint32_t place;
+    memset(start, 0, ((size_t)grids->places + 2) * sizeof *start);
+    for (int k = 0; k < bodies->count; k++) {
         if (!is_bounded(bodies, k)) continue;
-        double size = cell_size(grids, grids->level[k]), cell[3];
-        for (int axis = 0; axis < 3; axis++)
-            cell[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
-        grids->key[k] = key_of(grids->level[k], cell);
-        uint32_t place = grids->key[k] & grids->last_place;
-        grids->next[k] = grids->place[place];
-        grids->place[place] = k;
+        column_at(bodies, grids, k, &place);
+        start[place + 2]++;
+    }
+    for (size_t p = 0; p < grids->places; p++) start[p + 2] += start[p + 1];
+    for (int k = 0; k < bodies->count; k++) {
+        if (!is_bounded(bodies, k)) continue;
+        uint32_t column = column_at(bodies, grids, k, &place);
+        grids->occupant[start[place + 1]++] = (struct occupant){column, k}; /* so each start becomes an end */
     }
 }
 
@@ -149,46 +177,47 @@ static void weigh(struct seeker *s, int k) {
     s->count = 0;
 }
 
-/* Partners of body k in the cell of a key; `after`: only those of higher number, in its own cell, so that each pair is found
- * once. */
-static void look_into(struct seeker *s, int k, uint64_t mixed, int after) {
+/* Partners of body k in so many cells of a column from `z` on; `after`: only those of higher number, in its own cell, so that each pair
+ * is found once. */
+static void look_into(struct seeker *s, int k, uint32_t column, double z, double cells, int after) {
     const struct grids *grids = s->grids;
-    uint32_t key = (uint32_t)mixed;
-    for (int other = grids->place[key & grids->last_place]; other >= 0; other = grids->next[other])
-        if (grids->key[other] == key && other != k && !(after && other < k)) {
+    uint32_t place = place_in(grids, column, z), left = cells < grids->places ? (uint32_t)cells : grids->places;
+    while (left > 0) { /* twice where the places are at an end */
+        uint32_t run = left < grids->places - place ? left : grids->places - place;
+        for (int n = grids->start[place]; n < grids->start[place + run]; n++) {
+            int other = grids->occupant[n].body;
             if (s->count == SEEN) weigh(s, k);
-            s->seen[s->count++] = other;
+            s->seen[s->count] = other;
+            s->count += (grids->occupant[n].column == column) & (other != k) & !(after & (other < k));
         }
+        left -= run;
+        place = 0;
+    }
 }
 
 /* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are enough, since
  * the other half look from there. */
 static void look_beside(struct seeker *s, int k) {
-    int level = s->grids->level[k];
-    double size = cell_size(s->grids, level), own[3];
-    for (int axis = 0; axis < 3; axis++)
-        own[axis] = cell_of(in_box(s->bodies, s->bodies->record[k].x[axis], axis), size);
-    uint64_t same = mix(key_of_level(level), own[0]), next = mix(key_of_level(level), own[0] + 1.0);
-    look_into(s, k, mix(mix(same, own[1]), own[2]), 1);
-    look_into(s, k, mix(mix(same, own[1]), own[2] + 1.0), 0);
-    for (int z = -1; z <= 1; z++) look_into(s, k, mix(mix(same, own[1] + 1.0), own[2] + z), 0);
-    for (int y = -1; y <= 1; y++) {
-        uint64_t row = mix(next, own[1] + y);
-        for (int z = -1; z <= 1; z++) look_into(s, k, mix(row, own[2] + z), 0);
-    }
+    double own[3];
+    cell_at(s->bodies, s->grids, k, own);
+    uint64_t level = key_of_level(s->grids->level[k]), same = mix(level, own[0]), next = mix(level, own[0] + 1.0);
+    look_into(s, k, column_of(same, own[1]), own[2], 1.0, 1);
+    look_into(s, k, column_of(same, own[1]), own[2] + 1.0, 1.0, 0);
+    look_into(s, k, column_of(same, own[1] + 1.0), own[2] - 1.0, 3.0, 0);
+    for (int y = -1; y <= 1; y++) look_into(s, k, column_of(next, own[1] + y), own[2] - 1.0, 3.0, 0);
 }
 
 /* Partners of body k in the grid of `level` around `at`: their centres are within its reach and half a cell, their own
  * largest reach. */
 static void look_about(struct seeker *s, int k, int level, const double at[3], double far, double size, int after) {
-    double low[3], high[3], cell[3];
+    double low[3], high[3];
     for (int axis = 0; axis < 3; axis++) {
         low[axis] = cell_of(at[axis] - far, size);
         high[axis] = cell_of(at[axis] + far, size);
     }
-    for (cell[0] = low[0]; cell[0] <= high[0]; cell[0] += 1.0)
-        for (cell[1] = low[1]; cell[1] <= high[1]; cell[1] += 1.0)
-            for (cell[2] = low[2]; cell[2] <= high[2]; cell[2] += 1.0) look_into(s, k, key_of(level, cell), after);
+    for (double x = low[0]; x <= high[0]; x += 1.0)
+        for (double y = low[1]; y <= high[1]; y += 1.0)
+            look_into(s, k, column_of(mix(key_of_level(level), x), y), low[2], high[2] - low[2] + 1.0, after);
 }
 
 /* The same in a coarser grid around the body, and around its images whose reach crosses the border of the periodic box. In its own
