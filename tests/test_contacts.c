@@ -236,8 +236,9 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
     return touching;
 }
 
-/* Candidate pairs of scattered bodies of sizes up to 1000:1, against all pairs: none missed, none twice. */
-static void check_candidates(double ratio, double spread, int count) {
+/* Candidate pairs of scattered bodies of sizes up to 1000:1, against all pairs: none missed, none twice. `height`: over their spread
+ * sideways. */
+static void check_candidates(double ratio, double spread, double height, int count) {
     size_t size = 4096 + (size_t)count * 200;
     char *text = malloc(size);
     int used =
@@ -253,7 +254,7 @@ static void check_candidates(double ratio, double spread, int count) {
                          "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = %.17g }\n"
                          "position = [%.17g, %.17g, %.17g]\n",
                          k, 1e-3 * pow(ratio, pow(check_random(&seed), 3.0)), 1e3 * k,
-                         check_between(&seed, -spread, spread), check_between(&seed, -spread, spread));
+                         check_between(&seed, -spread, spread), height * check_between(&seed, -spread, spread));
     scree_scene *scene = scene_from(text, NULL, 0, 0);
     struct scree_contacts *contacts = &scene->contacts;
     struct scree_bodies *bodies = &scene->bodies;
@@ -275,10 +276,11 @@ static void check_candidates(double ratio, double spread, int count) {
 }
 
 static void test_candidates(void) {
-    check_candidates(1.0, 0.02, 400);
-    check_candidates(100.0, 0.2, 400);
-    check_candidates(1000.0, 1.0, 400);
-    check_candidates(10.0, 1e-5, 60); /* all in one cell */
+    check_candidates(1.0, 0.02, 1.0, 400);
+    check_candidates(100.0, 0.2, 1.0, 400);
+    check_candidates(1000.0, 1.0, 1.0, 400);
+    check_candidates(10.0, 1e-5, 1.0, 60);     /* all in one cell */
+    check_candidates(3.0, 0.002, 1000.0, 400); /* higher than the table of places, so that cells share these */
 }
 
 static void test_lists(void) {
