@@ -25,7 +25,8 @@ static const char help[] =
     "builds can be\n"
     "compared on one bed; --tiles lays it out N by N times within the walls (N*N*bodies spheres); --ratio puts "
     "spheres\n"
-    "up to N times as large in the place of others, each size sqrt(10) times the next and a hundredth as often. "
+    "up to N times as large in the place of others, each size sqrt(10) times the next and a hundredth as often\n"
+    "(those more than ten times as large weigh a thousandth, so that they crush nothing). "
     "Columns: processor's "
     "path (SCREE_ISA=baseline, avx2 or avx512 asks for one), laws, bodies, "
     "threads;\n"
@@ -45,8 +46,7 @@ static const double radius = 1e-3;
 struct request {
     const char *laws, *write, *read;
     scree_integrator integrator;
-    int bodies, threads, steps, repeats, settle, tiles;
-    double ratio;
+    int bodies, threads, steps, repeats, settle, tiles, ratio;
 };
 
 struct bed {
@@ -157,9 +157,9 @@ static void add_some(scree_scene *scene, const struct bench_spheres *all, int fi
 }
 
 /* Spheres so large that they would crush the others are light; they come first. */
-static void add_spheres(scree_scene *scene, const struct bed *bed, double ratio, const struct stored *start) {
+static void add_spheres(scree_scene *scene, const struct bed *bed, int ratio, const struct stored *start) {
     struct bench_spheres spheres = lay_out(bed, start);
-    if (ratio > 1.0) {
+    if (ratio > 1) {
         struct bench_spheres mixed = bench_mix_sizes(&spheres, bed->tiles * bed->edge, ratio);
         bench_free_spheres(&spheres);
         spheres = mixed;
@@ -181,10 +181,10 @@ static scree_scene *make_bed(const struct bed *bed, const struct request *reques
     scree_time_def time = {.step = 1e-5, .threads = request->threads, .speed = 0.5, .integrator = request->integrator};
     double edge = bed->tiles * bed->edge;
     check(scene, scree_scene_add_material(scene, &glass, NULL));
-    if (request->ratio > 10.0) check(scene, scree_scene_add_material(scene, &light, NULL));
+    if (request->ratio > 10) check(scene, scree_scene_add_material(scene, &light, NULL));
     check(scene, scree_scene_set_gravity(scene, &gravity));
     check(scene, scree_scene_set_time(scene, &time));
-    add_laws(scene, request->laws, request->ratio > 10.0 ? 2 : 1);
+    add_laws(scene, request->laws, request->ratio > 10 ? 2 : 1);
     add_wall(scene, "floor", 0.0, 0.0, (double[]){0.0, 0.0, 1.0});
     add_wall(scene, "west", 0.0, 0.0, (double[]){1.0, 0.0, 0.0});
     add_wall(scene, "east", edge, 0.0, (double[]){-1.0, 0.0, 0.0});
@@ -303,9 +303,9 @@ int bench_hot(int count, char **words) {
     request.settle = cli_whole_number(settle, "--settle", 100000000);
     request.tiles = cli_whole_number(tiles, "--tiles", 30);
     request.ratio = cli_whole_number(ratio, "--ratio", 1000);
-    if (request.ratio > 1.0 && !request.read) return cli_complain("--ratio takes a settled bed: --read FILE");
+    if (request.ratio > 1 && !request.read) return cli_complain("--ratio takes a settled bed: --read FILE");
     if (!request.bodies || !request.tiles || !request.threads || !request.steps || !request.repeats ||
-        !request.settle || request.ratio < 1.0)
+        !request.settle || !request.ratio)
         return EXIT_USAGE;
     bench_describe_machine();
     printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"

@@ -2,15 +2,16 @@
  * anything falls, and what is heavy crushes nothing. */
 #include "bench/bench.h"
 
+#include "engine/cli/cli.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static void *space(size_t size) {
-    void *memory = calloc(1, size ? size : 1);
-    if (memory) return memory;
-    fprintf(stderr, "scree-bench: no memory for %zu bytes of spheres\n", size);
-    exit(EXIT_FAILURE);
+    void *memory = calloc(1, size);
+    if (!memory) exit(cli_complain("no memory for %zu bytes of spheres", size));
+    return memory;
 }
 
 struct bench_spheres bench_make_spheres(int count) {
@@ -76,9 +77,13 @@ static double depth_of(const struct bench_spheres *spheres) {
 
 /* Each size sqrt(10) times as large as the next one and a hundredth as often, so that each fills a third of what the next does; at least one. */
 struct bench_spheres bench_mix_sizes(const struct bench_spheres *small, double edge, double ratio) {
+    enum { SIZES = 16 }; /* more than there are between 1 and any ratio that is allowed */
     uint64_t seed = 11;
-    size_t most = (size_t)small->count;
+    size_t most = (size_t)small->count + SIZES;
     double unit = small->radius[0], depth = depth_of(small);
+    if (2.0 * ratio * unit > edge)
+        exit(cli_complain("a sphere of %g m doesn't fit between walls %g m apart: take more --tiles", ratio * unit,
+                          edge));
     struct larger l = {0, space(most * sizeof(double)), space(most * sizeof(double)), space(most * sizeof(double)),
                        space(most * sizeof(double))};
     for (double size = ratio; size > 1.5; size /= sqrt(10.0)) {
