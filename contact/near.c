@@ -2,7 +2,8 @@
  * in every step, touching or not. What laws keep of a contact moves along in place, segment by segment.
  *
  * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
- * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
+ * new list. Where few slabs ask, their lists alone are made anew, else all are, and all bodies get new margins: so they ask together,
+ * not each at its time (scree_contacts_renew). */
 #include "bodies/memory.h"
 #include "contact/meet.h"
 
@@ -290,14 +291,20 @@ void scree_contacts_free_scratch(struct scree_contacts *contacts) {
     contacts->scratches = 0;
 }
 
+/* Whether a segment has contacts of slabs that ask. One of a slab has those with the slab behind it, too. */
+static int is_asked(const unsigned char *asking, int segment) {
+    return !asking || segment == 0 || asking[segment - 1] || asking[segment];
+}
+
 /* Segments of a batch by as many threads; those that lack room get it, and their turn once more. */
 static scree_status renew_batch(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                struct scree_batch *batch, int segments, int threads, scree_trouble *trouble) {
+                                struct scree_batch *batch, int segments, const unsigned char *asking, int threads,
+                                scree_trouble *trouble) {
     int lacking[SCREE_SEGMENTS] = {0}, capacity[SCREE_SEGMENTS], lack = 0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int t = 0; t < threads; t++)
         for (int s = t; s < segments; s += threads)
-            lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
+            if (is_asked(asking, s)) lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
     for (int s = 0; s < segments; s++) {
         int least = padded(batch->segment[s].count), has = batch->segment[s].capacity;
         capacity[s] = lacking[s] ? padded(lacking[s] + lacking[s] / 16 + SCREE_PADDING) : has;
@@ -348,15 +355,15 @@ static scree_status find_runs(const struct scree_contacts *contacts, const struc
     return SCREE_OK;
 }
 
-scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
-                                 scree_trouble *trouble) {
+scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                 const unsigned char *asking, int threads, scree_trouble *trouble) {
     contacts->rest.stale = 1;
     int segments = bodies->order.slabs + 1;
     scree_status status = prepare_scratch(contacts, threads, segments, trouble);
     for (int b = 0; b < contacts->batches && !status; b++) {
         struct scree_batch *batch = &contacts->batch[b];
         if (batch->outer_count == 0 && batch->count == 0) continue;
-        status = renew_batch(contacts, bodies, batch, segments, threads, trouble);
+        status = renew_batch(contacts, bodies, batch, segments, asking, threads, trouble);
         if (!status && batch->geometry == SCREE_EDGE_EDGE) status = find_runs(contacts, bodies, batch, trouble);
         if (!status && !batch->uniform) status = scree_pair_constants(contacts, bodies, batch, trouble);
     }

@@ -313,6 +313,65 @@ static void test_lists(void) {
     free(text);
 }
 
+/* Touching balls of a scene that has nothing else, at the instant of its shadow. */
+static int count_touching_balls(const struct scree_bodies *bodies) {
+    int touching = 0;
+    for (int i = 0; i < bodies->count; i++)
+        for (int j = i + 1; j < bodies->count; j++) {
+            const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
+            double reach = a->radius + b->radius;
+            touching += vec_norm2(vec_sub(vec_from(a->x), vec_from(b->x))) < reach * reach;
+        }
+    return touching;
+}
+
+/* A long lattice at rest, of which a few layers move: only slabs that ask get new near lists, and still no contact is missed, nor does
+ * a bit depend on it. */
+static void test_lists_of_some_slabs(void) {
+    enum { LONG = 64, WIDE = 8, COUNT = LONG * WIDE * WIDE };
+    size_t size = 1024 + (size_t)COUNT * 200;
+    char *text = malloc(size);
+    int used = snprintf(text, size,
+                        "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\n[[material]]\nname = \"m\"\ndensity "
+                        "= 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+                        "normal = { law = \"linear\", stiffness = 1e3, damping = 0 }\n");
+    uint64_t seed = 23;
+    for (int k = 0; k < COUNT; k++) {
+        int layer = k / (WIDE * WIDE), moves = layer >= 30 && layer < 33;
+        double v[3];
+        for (int axis = 0; axis < 3; axis++) v[axis] = moves ? check_between(&seed, -1.0, 1.0) : 0.0;
+        used += snprintf(text + used, size - (size_t)used,
+                         "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = 1e-3 }\n"
+                         "position = [%.6f, %.6f, %.6f]\nvelocity = [%.17g, %.17g, %.17g]\n",
+                         k, 2.15e-3 * layer, 2.15e-3 * (k / WIDE % WIDE), 2.15e-3 * (k % WIDE), v[0], v[1], v[2]);
+    }
+    scree_scene *scene = scene_from(text, NULL, 0, 0);
+    struct scree_contacts *contacts = &scene->contacts;
+    CHECK(scene->bodies.order.slabs > 16);
+    int most = 0, some = 0;
+    for (int k = 0; k < 120; k++) {
+        long rebuilds = contacts->rebuilds, renewals = contacts->renewals;
+        double spare = contacts->spare[0];
+        int listed = 0;
+        go(scene, 5);
+        if (contacts->rebuilds == rebuilds && contacts->renewals > renewals) some += contacts->spare[0] == spare;
+        CHECK(scree_scene_contacts(scene, NULL, 0, &listed) == SCREE_OK);
+        CHECK(listed == count_touching_balls(&scene->shadow));
+        most = listed > most ? listed : most;
+    }
+    CHECK(most > 30 && some > 3);
+    uint64_t hash = scree_scene_hash(scene);
+    scree_scene_destroy(scene);
+    scene = scene_from(text, NULL, 0, 0);
+    for (int k = 0; k < 600; k++) { /* near lists of all slabs in every step */
+        CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
+        go(scene, 1);
+    }
+    CHECK(scree_scene_hash(scene) == hash);
+    scree_scene_destroy(scene);
+    free(text);
+}
+
 /* ---- momentum ---- */
 
 static const char two_text[] = "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\n"
@@ -569,6 +628,7 @@ int main(void) {
     test_boxes_depth();
     test_candidates();
     test_lists();
+    test_lists_of_some_slabs();
     test_momentum();
     test_loop_equals_laws();
     return check_report();
