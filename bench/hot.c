@@ -229,7 +229,7 @@ static struct stages time_stages(scree_scene *scene, int bodies, int threads, in
     for (int k = 0; k < steps; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, threads);
     stages.contacts = (bench_now() - start) / ((double)steps * bodies) * 1e9;
     start = bench_now();
-    check(scene, scree_contacts_pick(&scene->contacts, &scene->bodies, NULL, threads, NULL));
+    check(scene, scree_contacts_pick(&scene->contacts, &scene->bodies, threads, NULL));
     stages.near = (bench_now() - start) / bodies * 1e9;
     start = bench_now();
     check(scene, scree_contacts_list(&scene->contacts, &scene->bodies, threads, NULL));

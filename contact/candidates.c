@@ -272,8 +272,10 @@ static int order_partners(int *partner, int first, int end, int kept) {
     return kept;
 }
 
-static const struct scree_body_pair *found_in(const struct scree_contacts *contacts, int part) {
-    return (const struct scree_body_pair *)contacts->listed.memory + contacts->found[part].first;
+/* Where the pairs of a part are; NULL before there is room for any. */
+static struct scree_body_pair *found_in(const struct scree_contacts *contacts, int part) {
+    struct scree_body_pair *pair = contacts->listed.memory;
+    return pair ? pair + contacts->found[part].first : NULL;
 }
 
 /* By (i, j): a count of each i gives its place. The cells have done their duty. */
@@ -311,8 +313,7 @@ static int search(struct scree_contacts *contacts, const struct scree_bodies *bo
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
-        struct seeker seeker = {
-            contacts, bodies, grids, found, (struct scree_body_pair *)contacts->listed.memory + found->first, 0, {0}};
+        struct seeker seeker = {contacts, bodies, grids, found, found_in(contacts, part), 0, {0}};
         long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
         found->count = 0;
         for (int k = (int)from; k < to; k++)

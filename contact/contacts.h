@@ -250,7 +250,7 @@ struct scree_contacts {
     struct scree_space boxes;
     int box_pairs;
     long rebuilds; /* of the outer list */
-    long renewals; /* of near lists, all or some */
+    long renewals; /* of near lists */
     struct scree_tally tally[SCREE_SEGMENTS];
     struct scree_scratch *scratch; /* one for each thread (near.c) */
     int scratches;
@@ -448,9 +448,9 @@ static inline int scree_compare_contacts(const struct scree_contact *a, const st
  * the bodies have gone as much, both together. `overlap`: of the cores of two boxes (scree_cores_overlap). */
 double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way, double overlap);
 
-/* Near lists from the outer list, of all slabs (`asking` NULL) or of those that are marked; asking[slabs] is zero. SCREE_NO_MEMORY. */
-scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                 const unsigned char *asking, int threads, scree_trouble *trouble);
+/* Near lists from the outer list. */
+scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble);
 
 /* Free the scratch of near.c. */
 void scree_contacts_free_scratch(struct scree_contacts *contacts);

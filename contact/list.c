@@ -419,7 +419,7 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     }
     if (status) return status;
     contacts->rebuilds++;
-    return scree_contacts_pick(contacts, bodies, NULL, threads, trouble);
+    return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
 /* No list may drop a contact that still holds, hence 1.5 times the reach. Where bodies are many, and some thinner than others, lists may come
@@ -454,56 +454,22 @@ static void fit_skin(struct scree_contacts *contacts, long steps) {
     contacts->listed_at = steps;
 }
 
-/* The slabs that ask for new margins, or will before a quarter of the `steps` that these are to last. 0: so many that all get them at once,
- * or others than members of slabs ask, too, or constants of pairs would be made anew for all. A bed at rest has restless grains here
- * and there, and the more of them, the larger it is. */
-static int find_asking(const struct scree_contacts *contacts, const struct scree_bodies *bodies, double steps,
-                       unsigned char asking[SCREE_SLABS + 1]) {
-    double half = 0.5 * contacts->skin;
-    int count = 0;
-    memset(asking, 0, SCREE_SLABS + 1);
-    for (int b = 0; b < contacts->batches; b++)
-        if (contacts->batch[b].outer_count > 0 && !contacts->batch[b].uniform) return 0;
-    for (int k = 0; k < bodies->count; k++) {
-        const struct scree_record *record = &bodies->record[k];
-        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
-        double soon = 0.25 * steps * contacts->step * vec_norm(vec_from(record->v));
-        if (half - record->path > soon) continue;
-        if (bodies->slab[k] < 0) return 0;
-        count += !asking[bodies->slab[k]];
-        asking[bodies->slab[k]] = 1;
-    }
-    return 4 * count <= bodies->order.slabs;
-}
-
-/* New margins of what asks; 0 if some body has too little left to give it one. */
-static int grant_again(struct scree_contacts *contacts, const struct scree_bodies *bodies, double steps,
-                       const unsigned char *asking) {
-    double half = 0.5 * contacts->skin;
-    for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
-        if (asking && (bodies->slab[k] < 0 || !asking[bodies->slab[k]])) continue;
-        contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
-        if (!grant(contacts, bodies, k, steps)) return 0;
-    }
-    return 1;
-}
-
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, long steps, int threads,
                                   scree_trouble *trouble) {
-    unsigned char asking[SCREE_SLABS + 1], *some = NULL;
-    double last = 0.0;
+    double half = 0.5 * contacts->skin, last = 0.0;
     if (are_many(contacts, bodies))
         last = steps_ahead(contacts, bodies);
     else
         limit_margins(contacts, bodies);
-    if (find_asking(contacts, bodies, last, asking)) some = asking;
-    if (!grant_again(contacts, bodies, last, some)) {
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
+        contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
+        if (grant(contacts, bodies, k, last)) continue;
         fit_skin(contacts, steps);
         return scree_contacts_list(contacts, bodies, threads, trouble);
     }
     contacts->renewals++;
-    return scree_contacts_pick(contacts, bodies, some, threads, trouble);
+    return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
 scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,

@@ -2,8 +2,7 @@
  * in every step, touching or not. What laws keep of a contact moves along in place, segment by segment.
  *
  * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
- * new list. Where few slabs ask, their lists alone are made anew, else all are, and all bodies get new margins: so they ask together,
- * not each at its time (scree_contacts_renew). */
+ * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
 #include "bodies/memory.h"
 #include "contact/meet.h"
 
@@ -29,8 +28,8 @@ int scree_enlarge(void *array, int before, int after, size_t size) {
 }
 
 scree_status scree_make_space(struct scree_space *space, size_t size, scree_trouble *trouble) {
-    if (size <= space->size) return SCREE_OK;
-    size_t room = size + size / 16;
+    if (space->memory && size <= space->size) return SCREE_OK;
+    size_t room = size + size / 16 + 64; /* never none: places in it are reckoned from its beginning */
     void *memory = scree_memory(room);
     if (!memory) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for lists of %zu bytes", room);
     scree_memory_free(space->memory);
@@ -212,7 +211,7 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
     if (segment->outer_count == 0) return 0;
-    const struct scree_contact *old = batch->contact + segment->first;
+    const struct scree_contact *old = segment->count ? batch->contact + segment->first : NULL;
     double *column[SCREE_MEMORY + SCREE_PAST];
     int columns = columns_of(batch, column), count = 0, before = 0;
     struct sight sight;
@@ -291,20 +290,14 @@ void scree_contacts_free_scratch(struct scree_contacts *contacts) {
     contacts->scratches = 0;
 }
 
-/* Whether a segment has contacts of slabs that ask. One of a slab has those with the slab behind it, too. */
-static int is_asked(const unsigned char *asking, int segment) {
-    return !asking || segment == 0 || asking[segment - 1] || asking[segment];
-}
-
 /* Segments of a batch by as many threads; those that lack room get it, and their turn once more. */
 static scree_status renew_batch(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                struct scree_batch *batch, int segments, const unsigned char *asking, int threads,
-                                scree_trouble *trouble) {
+                                struct scree_batch *batch, int segments, int threads, scree_trouble *trouble) {
     int lacking[SCREE_SEGMENTS] = {0}, capacity[SCREE_SEGMENTS], lack = 0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int t = 0; t < threads; t++)
         for (int s = t; s < segments; s += threads)
-            if (is_asked(asking, s)) lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
+            lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
     for (int s = 0; s < segments; s++) {
         int least = padded(batch->segment[s].count), has = batch->segment[s].capacity;
         capacity[s] = lacking[s] ? padded(lacking[s] + lacking[s] / 16 + SCREE_PADDING) : has;
@@ -338,7 +331,7 @@ static struct scree_run run_of(const struct scree_contacts *contacts, const stru
 static scree_status find_runs(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               struct scree_batch *batch, scree_trouble *trouble) {
     int count = batch->segment[0].count, before = batch->run_capacity, ok = 1;
-    const struct scree_contact *contact = batch->contact + batch->segment[0].first;
+    const struct scree_contact *contact = count ? batch->contact + batch->segment[0].first : NULL;
     if (count > before) {
         int after = count + count / 2;
         ok &= scree_enlarge(&batch->run, before, after, sizeof *batch->run);
@@ -355,15 +348,15 @@ static scree_status find_runs(const struct scree_contacts *contacts, const struc
     return SCREE_OK;
 }
 
-scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                 const unsigned char *asking, int threads, scree_trouble *trouble) {
+scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble) {
     contacts->rest.stale = 1;
     int segments = bodies->order.slabs + 1;
     scree_status status = prepare_scratch(contacts, threads, segments, trouble);
     for (int b = 0; b < contacts->batches && !status; b++) {
         struct scree_batch *batch = &contacts->batch[b];
         if (batch->outer_count == 0 && batch->count == 0) continue;
-        status = renew_batch(contacts, bodies, batch, segments, asking, threads, trouble);
+        status = renew_batch(contacts, bodies, batch, segments, threads, trouble);
         if (!status && batch->geometry == SCREE_EDGE_EDGE) status = find_runs(contacts, bodies, batch, trouble);
         if (!status && !batch->uniform) status = scree_pair_constants(contacts, bodies, batch, trouble);
     }
@@ -554,10 +547,11 @@ static void put_in(struct scree_batch *batch, int at, const struct scree_moving 
 }
 
 static scree_status room_for_moving(struct scree_contacts *contacts, int count, scree_trouble *trouble) {
-    if (count <= contacts->moving_capacity) return SCREE_OK;
-    if (!scree_enlarge(&contacts->moving, contacts->moving_capacity, 2 * count, sizeof *contacts->moving))
+    int capacity = 2 * count + 1;
+    if (count < contacts->moving_capacity) return SCREE_OK;
+    if (!scree_enlarge(&contacts->moving, contacts->moving_capacity, capacity, sizeof *contacts->moving))
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts at the border", count);
-    contacts->moving_capacity = 2 * count;
+    contacts->moving_capacity = capacity;
     return SCREE_OK;
 }
 

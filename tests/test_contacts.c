@@ -325,9 +325,9 @@ static int count_touching_balls(const struct scree_bodies *bodies) {
     return touching;
 }
 
-/* A long lattice at rest, of which a few layers move: only slabs that ask get new near lists, and still no contact is missed, nor does
- * a bit depend on it. */
-static void test_lists_of_some_slabs(void) {
+/* A long lattice, so many that they lie in slabs, of which a few layers move: no contact is missed across slabs, and lists made anew in
+ * every step give the same bits. */
+static void test_lists_of_slabs(void) {
     enum { LONG = 64, WIDE = 8, COUNT = LONG * WIDE * WIDE };
     size_t size = 1024 + (size_t)COUNT * 200;
     char *text = malloc(size);
@@ -346,24 +346,20 @@ static void test_lists_of_some_slabs(void) {
                          k, 2.15e-3 * layer, 2.15e-3 * (k / WIDE % WIDE), 2.15e-3 * (k % WIDE), v[0], v[1], v[2]);
     }
     scree_scene *scene = scene_from(text, NULL, 0, 0);
-    struct scree_contacts *contacts = &scene->contacts;
     CHECK(scene->bodies.order.slabs > 16);
-    int most = 0, some = 0;
+    int most = 0;
     for (int k = 0; k < 120; k++) {
-        long rebuilds = contacts->rebuilds, renewals = contacts->renewals;
-        double spare = contacts->spare[0];
         int listed = 0;
         go(scene, 5);
-        if (contacts->rebuilds == rebuilds && contacts->renewals > renewals) some += contacts->spare[0] == spare;
         CHECK(scree_scene_contacts(scene, NULL, 0, &listed) == SCREE_OK);
         CHECK(listed == count_touching_balls(&scene->shadow));
         most = listed > most ? listed : most;
     }
-    CHECK(most > 30 && some > 3);
+    CHECK(most > 30 && scene->contacts.renewals > 3);
     uint64_t hash = scree_scene_hash(scene);
     scree_scene_destroy(scene);
     scene = scene_from(text, NULL, 0, 0);
-    for (int k = 0; k < 600; k++) { /* near lists of all slabs in every step */
+    for (int k = 0; k < 600; k++) { /* both lists in every step */
         CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
         go(scene, 1);
     }
@@ -628,7 +624,7 @@ int main(void) {
     test_boxes_depth();
     test_candidates();
     test_lists();
-    test_lists_of_some_slabs();
+    test_lists_of_slabs();
     test_momentum();
     test_loop_equals_laws();
     return check_report();
