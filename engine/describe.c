@@ -28,7 +28,7 @@ static struct scree_shown material_name(const scree_scene *scene, int index) {
 }
 
 static struct scree_shown body_name(const scree_scene *scene, int index) {
-    return scree_shown(scree_name(scene, index));
+    return scree_shown(scree_name_of(scene, index).text);
 }
 
 static void describe_creep(const struct scree_friction_law *law, const struct scree_law_constants *constants,

@@ -11,8 +11,8 @@ static int is_body(const scree_scene *scene, int index) { return index >= 0 && i
 /* Whether bodies were made of the definitions. */
 static int is_made(const scree_scene *scene) { return scene->bodies.count > 0 && !scene->group; }
 
-const char *scree_scene_body_name(const scree_scene *scene, int index) {
-    return is_body(scene, index) ? scene->names.name[index] : NULL;
+scree_name scree_scene_body_name(const scree_scene *scene, int index) {
+    return is_body(scene, index) ? scree_names_at(&scene->names, index) : (scree_name){""};
 }
 
 scree_shape scree_scene_body_shape(const scree_scene *scene, int index) {

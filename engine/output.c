@@ -88,7 +88,7 @@ static void put_numbers(FILE *file, const double *values, int count) {
 static void put_body(FILE *file, const scree_scene *scene, int k) {
     scree_body_state state = scree_scene_body(scene, k);
     fprintf(file, "%.17g,", scree_scene_time(scene));
-    put_name(file, scree_scene_body_name(scene, k));
+    put_name(file, scree_scene_body_name(scene, k).text);
     put_numbers(file, state.position, 3);
     put_numbers(file, state.orientation, 4);
     put_numbers(file, state.velocity, 3);
@@ -105,9 +105,9 @@ static void put_bodies(const struct scree_output *output, const scree_scene *sce
 
 static void put_contact(FILE *file, const scree_scene *scene, const scree_contact_state *state) {
     fprintf(file, "%.17g,", scree_scene_time(scene));
-    put_name(file, scree_scene_body_name(scene, state->ball));
+    put_name(file, scree_scene_body_name(scene, state->ball).text);
     fputc(',', file);
-    put_name(file, scree_scene_body_name(scene, state->host));
+    put_name(file, scree_scene_body_name(scene, state->host).text);
     fprintf(file, ",%d", state->corner);
     put_numbers(file, state->point, 3);
     put_numbers(file, state->normal, 3);
@@ -202,7 +202,7 @@ static scree_status finish_spheres(struct scree_output *output, scree_scene *sce
         scree_shape shape = scree_scene_body_shape(scene, k);
         if (shape.kind != SCREE_SPHERE || !scree_scene_body_moves(scene, k)) continue;
         scree_body_state state = scree_scene_body(scene, k);
-        put_name(file, scree_scene_body_name(scene, k));
+        put_name(file, scree_scene_body_name(scene, k).text);
         put_numbers(file, state.position, 3);
         put_numbers(file, &shape.radius, 1);
         put_numbers(file, state.velocity, 3);

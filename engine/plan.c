@@ -405,8 +405,9 @@ static scree_status out_of_reach(struct scree_scene *scene) {
     return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
                         "an accuracy of %g can't be reached with the integrator %s: an impact of \"%s\" with \"%s\" at "
                         "%g m/s comes out within %.2g of its speed at %.0f steps per contact; ask for less%s",
-                        scene->time.accuracy, impulses ? "pair-impulse" : "verlet", scree_name(scene, worst->pair[0]),
-                        scree_name(scene, worst->pair[1]), scene->plan.choice.speed, result->error, result->per_contact,
+                        scene->time.accuracy, impulses ? "pair-impulse" : "verlet",
+                        scree_name_of(scene, worst->pair[0]).text, scree_name_of(scene, worst->pair[1]).text,
+                        scene->plan.choice.speed, result->error, result->per_contact,
                         !impulses                    ? ", or take integrator = \"pair-impulse\""
                         : scene->plan.any_integrator ? ""
                         : scene->time.substeps < 4   ? ", or take substeps = 4"
@@ -485,8 +486,8 @@ static scree_status choose_step(struct scree_scene *scene, const struct species 
         &scene->trouble, SCREE_BAD_INPUT, "step",
         "a step of %g s is beyond the stability limit of the stiffest contact, %g s (\"%s\" with \"%s\" at "
         "%g m/s); take a smaller one or step = \"auto\", or set force = true",
-        choice->step, choice->limit, scree_name(scene, choice->limit_pair[0]), scree_name(scene, choice->limit_pair[1]),
-        choice->speed);
+        choice->step, choice->limit, scree_name_of(scene, choice->limit_pair[0]).text,
+        scree_name_of(scene, choice->limit_pair[1]).text, choice->speed);
 }
 
 /* ---- bodies and contacts ---- */
@@ -564,7 +565,7 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
                     "bodies \"%s\" and \"%s\" could meet, but there is no contact between their materials "
                     "\"%s\" and \"%s\": add one (or one with none = true, to let them pass through each "
                     "other)",
-                    scree_name(scene, i), scree_name(scene, j),
+                    scree_name_of(scene, i).text, scree_name_of(scene, j).text,
                     scene->material[scree_kind_of(bodies, i)->material].name,
                     scene->material[scree_kind_of(bodies, j)->material].name);
             if (rule && rule->rolling >= 0 && scree_kind_of(bodies, i)->shape.kind != SCREE_SPHERE &&
@@ -573,7 +574,7 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
                     &scene->trouble, SCREE_BAD_INPUT, NULL,
                     "the contact of \"%s\" with \"%s\" has a rolling law, but neither is a sphere: only "
                     "spheres roll (give boxes a material of their own)",
-                    scree_name(scene, i), scree_name(scene, j));
+                    scree_name_of(scene, i).text, scree_name_of(scene, j).text);
             plan->pairs_all += pairs;
             plan->pairs_meeting += rule ? pairs : 0;
             plan->pairs_still += !rule && still ? pairs : 0;
@@ -601,7 +602,7 @@ static scree_status check_sharp(struct scree_scene *scene, const struct species 
                 &scene->trouble, SCREE_BAD_INPUT, "rounding",
                 "the contact of \"%s\" with \"%s\" takes the radius of the corners that touch, and those "
                 "of \"%s\" are sharp: give it a rounding, or the contact a stiffness",
-                scree_name(scene, i), scree_name(scene, j), scree_name(scene, i));
+                scree_name_of(scene, i).text, scree_name_of(scene, j).text, scree_name_of(scene, i).text);
         }
     }
     return SCREE_OK;
@@ -622,7 +623,7 @@ static scree_status check_turning(struct scree_scene *scene) {
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                                 "the contact of \"%s\" with \"%s\" asks for a restitution, which takes the bodies' "
                                 "mass; but their centres are held and they only turn: give a damping instead",
-                                scree_name(scene, i), scree_name(scene, j));
+                                scree_name_of(scene, i).text, scree_name_of(scene, j).text);
         }
     }
     return SCREE_OK;
@@ -637,7 +638,7 @@ static scree_status check_domain(struct scree_scene *scene) {
         if (bodies->periodic && !plane && !sphere)
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                                 "body \"%s\" is a %s: only spheres and planes can be in a periodic domain yet",
-                                scree_name(scene, k), scree_shape_name(scree_kind_of(bodies, k)->shape.kind));
+                                scree_name_of(scene, k).text, scree_shape_name(scree_kind_of(bodies, k)->shape.kind));
         double normal[3] = {0.0, 0.0, 0.0};
         if (plane) vec_store(scree_attitude_of(bodies, k)->frame.column[2], normal);
         for (int axis = 0; axis < 3; axis++) {
@@ -647,18 +648,18 @@ static scree_status check_domain(struct scree_scene *scene) {
             if (!plane && !(x >= low - beyond && x <= high + beyond))
                 return scree_report(&scene->trouble, SCREE_BAD_INPUT, "position",
                                     "body \"%s\" starts outside of the domain: its %c is %.9g m, not %.9g to %.9g m",
-                                    scree_name(scene, k), "xyz"[axis], x, low, high);
+                                    scree_name_of(scene, k).text, "xyz"[axis], x, low, high);
             if (sphere && period > 0.0 && period < 4.0 * bodies->record[k].radius)
                 return scree_report(&scene->trouble, SCREE_BAD_INPUT, "domain",
                                     "the domain repeats itself every %g m along %c: that must be two diameters of the "
                                     "largest sphere at least, and \"%s\" is %g m wide",
-                                    period, "xyz"[axis], scree_name(scene, k), 2.0 * bodies -> record[k].radius);
+                                    period, "xyz"[axis], scree_name_of(scene, k).text, 2.0 * bodies->record[k].radius);
             /* 1e-9: a normal across the axis, given in decimals. */
             if (plane && period > 0.0 && fabs(normal[axis]) > 1e-9)
                 return scree_report(&scene->trouble, SCREE_BAD_INPUT, "orientation",
                                     "plane \"%s\" cuts the axis %c, along which the domain is periodic: it must be "
                                     "along it",
-                                    scree_name(scene, k), "xyz"[axis]);
+                                    scree_name_of(scene, k).text, "xyz"[axis]);
         }
     }
     return SCREE_OK;
@@ -689,8 +690,8 @@ static scree_status check_start_overlaps(struct scree_scene *scene) {
             return scree_report(
                 &scene->trouble, SCREE_BAD_INPUT, "position",
                 "bodies \"%s\" and \"%s\" overlap by %g m at the start; the most that makes sense is %g m",
-                scree_name(scene, scene->bodies.number[touch.ball]),
-                scree_name(scene, scene->bodies.number[touch.host]), touch.overlap, limit);
+                scree_name_of(scene, scene->bodies.number[touch.ball]).text,
+                scree_name_of(scene, scene->bodies.number[touch.host]).text, touch.overlap, limit);
         }
     }
     return SCREE_OK;
@@ -747,7 +748,7 @@ static scree_status refuse_edges(struct scree_scene *scene) {
                     &scene->trouble, SCREE_BAD_INPUT, "integrator",
                     "the integrator \"adaptive\" doesn't know edges on edges, and the boxes \"%s\" and \"%s\" can meet "
                     "so; take \"verlet\", or let their materials meet with corners only (corners = true)",
-                    scree_name(scene, bodies->number[i]), scree_name(scene, bodies->number[j]));
+                    scree_name_of(scene, bodies->number[i]).text, scree_name_of(scene, bodies->number[j]).text);
     return SCREE_OK;
 }
 

@@ -83,7 +83,7 @@ static uint64_t print_bodies(const scree_scene *scene) {
         int k = bodies->place[number];
         const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
         const scree_shape *shape = &scree_kind_of(bodies, k)->shape;
-        hash = hash_name(hash, scree_name(scene, number));
+        hash = hash_name(hash, scree_name_of(scene, number).text);
         hash = hash_name(hash, scene->material[scree_kind_of(bodies, k)->material].name);
         HASH_ON(hash, shape->kind);
         HASH_ON(hash, shape->radius);

@@ -46,6 +46,10 @@ static scree_status check_new(scree_scene *scene, const char *what, const char *
     if (scene->baked)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene takes no new %s", what);
     if (!name || !name[0]) return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name", "a %s needs a name", what);
+    if (strlen(name) > SCREE_NAME_LENGTH)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name",
+                            "the name of a %s has at most %d bytes, \"%s\" has %zu", what, SCREE_NAME_LENGTH, name,
+                            strlen(name));
     if (known >= 0)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name", "there are two of the %s \"%s\"", what, name);
     return SCREE_OK;
@@ -383,7 +387,6 @@ static const struct scree_body_group *group_of(const scree_scene *scene, int k) 
 scree_body_def scree_scene_definition(const scree_scene *scene, int k) {
     const struct scree_body_group *group = group_of(scene, k);
     scree_body_def def = group->like;
-    def.name = scene->names.name[k];
     for (int axis = 0; group->place && axis < 3; axis++) def.position[axis] = group->place[k - group->first][axis];
     if (group->place) def.shape.radius = group->place[k - group->first][3];
     for (int axis = 0; group->motion && axis < 3; axis++) {

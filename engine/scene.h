@@ -118,7 +118,7 @@ scree_status scree_step_watched(struct scree_scene *scene, long steps);
  * last, added up. 0 if there is no memory to reckon it. */
 double scree_books_lack(scree_scene *scene);
 
-/* Definition of body k, which must not be baked yet. */
+/* Definition of body k, which must not be baked yet, without its name. */
 scree_body_def scree_scene_definition(const struct scree_scene *scene, int k);
 
 /* Give up the definitions of bodies. */
@@ -148,8 +148,8 @@ void scree_adaptive_destroy(struct scree_scene *scene);
 scree_status scree_adaptive_step(struct scree_scene *scene);
 
 /* Name of body number k for messages. */
-static inline const char *scree_name(const struct scree_scene *scene, int k) {
-    return k >= 0 && k < scene->names.count ? scene->names.name[k] : "nothing";
+static inline scree_name scree_name_of(const struct scree_scene *scene, int k) {
+    return k >= 0 && k < scene->names.count ? scree_names_at(&scene->names, k) : (scree_name){"nothing"};
 }
 
 #endif

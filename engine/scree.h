@@ -198,10 +198,16 @@ typedef struct scree_body_state {
     double position[3], orientation[4], velocity[3], spin[3]; /* as in scree_body_def */
 } scree_body_state;
 
-/* State, name, shape, material's name, mass (kg; 0: none) and mobility (1: free or driven in some direction) of body `index`
- * (0 … count - 1). Names belong to the scene. */
+/* Names have at most so many bytes. */
+enum { SCREE_NAME_LENGTH = 255 };
+typedef struct scree_name {
+    char text[SCREE_NAME_LENGTH + 1];
+} scree_name;
+
+/* State, name, shape, material's name (it belongs to the scene), mass (kg; 0: none) and mobility (1: free or driven in some direction) of
+ * body `index` (0 … count - 1; the name of others is empty). */
 SCREE_API scree_body_state scree_scene_body(const scree_scene *scene, int index);
-SCREE_API const char *scree_scene_body_name(const scree_scene *scene, int index);
+SCREE_API scree_name scree_scene_body_name(const scree_scene *scene, int index);
 SCREE_API scree_shape scree_scene_body_shape(const scree_scene *scene, int index);
 SCREE_API const char *scree_scene_body_material(const scree_scene *scene, int index);
 SCREE_API double scree_scene_body_mass(const scree_scene *scene, int index);

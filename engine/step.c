@@ -12,9 +12,9 @@ long scree_scene_steps(const scree_scene *scene) { return scene->steps; }
 
 scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, int other, const char *cause) {
     char with[160] = "";
-    if (other >= 0) snprintf(with, sizeof with, " with \"%.120s\"", scree_name(scene, other));
+    if (other >= 0) snprintf(with, sizeof with, " with \"%.120s\"", scree_name_of(scene, other).text);
     scree_report(&scene->trouble, SCREE_FAILED, NULL, "stopped at t = %.9g s: body \"%s\"%s: %s", time,
-                 scree_name(scene, body), with, cause);
+                 scree_name_of(scene, body).text, with, cause);
     scene->trouble.time = time;
     scene->trouble.body = body;
     scene->trouble.other = other;

@@ -25,7 +25,7 @@ static scree_status check_state(scree_scene *scene) {
             &scene->trouble, SCREE_FAILED, NULL,
             "stopped at t = %.9g s: body \"%s\": it is no longer where numbers reach, or moves too far in a step "
             "to be watched; the step is too large or a contact too stiff",
-            scree_scene_time(scene), scree_name(scene, k));
+            scree_scene_time(scene), scree_name_of(scene, k).text);
         scene->trouble.time = scree_scene_time(scene);
         scene->trouble.body = k;
         scene->trouble.other = -1;

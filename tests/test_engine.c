@@ -718,7 +718,7 @@ static void check_unbaked(scree_scene *scene) {
     CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_BAD_INPUT && count == 0);
     CHECK(scree_scene_body(scene, 0).position[2] == 0.2);
     CHECK(scree_scene_body(scene, 99).orientation[0] == 1.0);
-    CHECK(scree_scene_body_name(scene, -1) == NULL && scree_scene_body_moves(scene, 99) == 0);
+    CHECK(scree_scene_body_name(scene, -1).text[0] == 0 && scree_scene_body_moves(scene, 99) == 0);
     CLOSE(scree_scene_body_mass(scene, 0), 4.0 / 3.0 * acos(-1.0), 1e-15);
     scree_scene_describe(scene, file);
     CHECK(scree_scene_save(scene, file, "memory") == SCREE_BAD_INPUT);
@@ -755,7 +755,8 @@ static void test_softest(void) {
         "position = [1, 0, 0.1]\n";
     scree_scene *scene = scene_from(text, NULL, 0, 0);
     const int *pair = scene->plan.choice.limit_pair;
-    CHECK(strcmp(scree_name(scene, pair[0]), "soft") == 0 || strcmp(scree_name(scene, pair[1]), "soft") == 0);
+    CHECK(strcmp(scree_name_of(scene, pair[0]).text, "soft") == 0 ||
+          strcmp(scree_name_of(scene, pair[1]).text, "soft") == 0);
     scree_scene_destroy(scene);
 
     /* Bodies that only turn: a step all the same, and no restitution. */

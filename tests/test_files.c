@@ -451,13 +451,18 @@ static void test_messages(void) {
     CONTAINS(trouble.text, cause);
     CHECK(!strpbrk(trouble.text, "\n\x1b"));
 
-    char *name = repeat("start-", "n\xc3\xa9", 2000, "-end"), *path = repeat("/", "folder/", 500, "s.toml");
-    report_with(name, "s.toml", &trouble); /* 6010 bytes of name */
-    CONTAINS(trouble.text, "s.toml:5:1: body \"start-n");
+    char *name = repeat("start-", "n\xc3\xa9", 80, "-end"), *path = repeat("/", "folder/", 500, "s.toml");
+    char *longer = repeat("start-", "n\xc3\xa9", 2000, "-end");
+    report_with(longer, path, &trouble); /* 6010 bytes of name, 3507 of path */
+    CONTAINS(trouble.text, "folder/s.toml:6:8: the name of a body has at most 255 bytes, \"start-n");
     CONTAINS(trouble.text, "\xe2\x80\xa6"); /* … */
+    CONTAINS(trouble.text, "-end\" has 6010");
+    CHECK(strlen(trouble.text) < sizeof trouble.text);
+    report_with(name, "s.toml", &trouble); /* 250 bytes */
+    CONTAINS(trouble.text, "s.toml:5:1: body \"start-n");
     CONTAINS(trouble.text, "-end\" ");
     CONTAINS(trouble.text, cause);
-    report_with("short", path, &trouble); /* 3507 bytes of path */
+    report_with("short", path, &trouble);
     CONTAINS(trouble.text, "folder/s.toml:5:1: body \"short\" ");
     CONTAINS(trouble.text, cause);
     report_with(name, path, &trouble);
@@ -468,6 +473,7 @@ static void test_messages(void) {
     const char *const known[] = {"stiffness", NULL};
     CHECK(scree_hint(name, known).text[0] == '\0'); /* whatever its length, it is no misspelling of that */
     free(path);
+    free(longer);
     free(name);
 
     /* A value that was set from outside stands nowhere in the file. */

@@ -1,5 +1,6 @@
 /* engine/: many spheres at once, from tables and generators. */
 #include "engine/hash.h"
+#include "engine/names.h"
 #include "tests/scenes.h"
 
 #include <unistd.h>
@@ -259,10 +260,64 @@ static void test_api(void) {
                                &first) == SCREE_OK);
     CHECK(first == 3 && scree_scene_find_body(scene, "s 3") == 2 && scree_scene_find_body(scene, "last") == 3);
     CHECK(scree_scene_body(scene, 2).position[0] == 2.0 && scree_scene_body(scene, 3).position[0] == 9.0);
-    CHECK(strcmp(scree_scene_body_name(scene, 1), "s 2") == 0 && scree_scene_body_shape(scene, 3).radius == 1.0);
+    CHECK(strcmp(scree_scene_body_name(scene, 1).text, "s 2") == 0 && scree_scene_body_shape(scene, 3).radius == 1.0);
     CLOSE(scree_scene_body_mass(scene, 0), 1000 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-3, 1e-15);
     def.count = 0;
     CHECK(scree_scene_add_spheres(scene, &def, &first) == SCREE_BAD_INPUT);
+    scree_scene_destroy(scene);
+}
+
+/* Names that count on, in runs of every kind, and others between them; each is found under its number, and the other way round. */
+static void test_names(void) {
+    enum { MANY = 4000 };
+    static const char *const odd[] = {"a", "", "0", "00", "007", "a 0", "a 00", "a0999999998", "9999999999", "12 kg"};
+    static char all[MANY][32];
+    struct scree_names names = {0};
+    uint64_t seed = 5;
+    long number = 0;
+    int count = 0;
+    while (count < MANY) {
+        char stem[24];
+        snprintf(stem, sizeof stem, "%s%d", odd[(int)check_between(&seed, 0, 9.99)], (int)check_between(&seed, 0, 3));
+        if (check_between(&seed, 0, 1) < 0.5) stem[strlen(stem) - 1] = 0;
+        if (check_between(&seed, 0, 1) < 0.5) number = (long)check_between(&seed, 0, 1200);
+        int run = 1 + (int)check_between(&seed, 0, 150);
+        for (int k = 0; k < run && count < MANY; k++, number++) {
+            snprintf(all[count], sizeof *all, "%s%ld", stem, number);
+            int known = scree_names_find(&names, all[count]), seen = 0;
+            while (seen < count && strcmp(all[seen], all[count]) != 0) seen++;
+            CHECK(known == (seen < count ? seen : -1));
+            if (seen < count) continue;
+            CHECK(scree_names_add(&names, all[count]) == 0);
+            count++;
+        }
+    }
+    for (int left = MANY; left > 0; left -= 777) {
+        scree_names_cut(&names, left);
+        CHECK(names.count == left);
+        for (int k = 0; k < MANY; k++) {
+            CHECK(scree_names_find(&names, all[k]) == (k < left ? k : -1));
+            if (k < left) CHECK(strcmp(scree_names_at(&names, k).text, all[k]) == 0);
+        }
+    }
+    CHECK(scree_names_find(&names, "b") == -1 && scree_names_add(&names, "b") == 0);
+    CHECK(strcmp(scree_names_at(&names, names.count - 1).text, "b") == 0);
+    scree_names_free(&names);
+}
+
+/* The longest name, and one that is longer. */
+static void test_long_names(void) {
+    scree_scene *scene = scree_scene_create();
+    char name[SCREE_NAME_LENGTH + 2];
+    memset(name, 'x', sizeof name);
+    name[SCREE_NAME_LENGTH + 1] = 0;
+    CHECK(!scree_scene_add_material(scene, &(scree_material_def){.name = "m", .density = 1000}, NULL));
+    CHECK(scree_scene_add_body(scene, &(scree_body_def){.name = name, .shape = {.radius = 1}}, NULL) ==
+          SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(scene)->text, "at most 255 bytes");
+    CONTAINS(scree_scene_trouble(scene)->text, "has 256");
+    CHECK(scree_scene_add_body(scene, &(scree_body_def){.name = name + 1, .shape = {.radius = 1}}, NULL) == SCREE_OK);
+    CHECK(strcmp(scree_scene_body_name(scene, 0).text, name + 1) == 0 && scree_scene_find_body(scene, name + 1) == 0);
     scree_scene_destroy(scene);
 }
 
@@ -660,6 +715,8 @@ int main(void) {
     test_bad_tables();
     test_bad_generators();
     test_api();
+    test_names();
+    test_long_names();
     test_periodic_contacts();
     test_periodic_shift();
     test_periodic_slide();

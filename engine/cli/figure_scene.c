@@ -19,7 +19,7 @@ static void put_outline(FILE *file, const scree_scene *scene, int k) {
         struct vec p = vec(path[n] & 1 ? 0.5 : -0.5, path[n] & 2 ? 0.5 : -0.5, path[n] & 4 ? 0.5 : -0.5);
         p = vec_times(p, vec(shape.edge[0], shape.edge[1], shape.kind == SCREE_BOX ? shape.edge[2] : 0.0));
         p = vec_add(vec_from(state.position), mat_apply(&frame, p));
-        fprintf(file, "\"%s\",%.17g,%.17g,%.17g\n", scree_scene_body_name(scene, k), p.x, p.y, p.z);
+        fprintf(file, "\"%s\",%.17g,%.17g,%.17g\n", scree_scene_body_name(scene, k).text, p.x, p.y, p.z);
     }
     fprintf(file, "\n");
 }
@@ -49,9 +49,10 @@ static scree_status write_scene(struct figures *figures, const char *name, scree
     for (int k = 0; k < count && k < 32; k++) {
         /* Drawn as an arrow whose length grows with the root of the force: weights and impacts differ a hundredfold. */
         double length = 0.01 * sqrt(contact[k].normal_force);
-        fprintf(out.file, "\"%s\",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", scree_scene_body_name(scene, contact[k].host),
-                contact[k].point[0], contact[k].point[1], contact[k].point[2], length * contact[k].normal[0],
-                length * contact[k].normal[1], length * contact[k].normal[2]);
+        fprintf(out.file, "\"%s\",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n",
+                scree_scene_body_name(scene, contact[k].host).text, contact[k].point[0], contact[k].point[1],
+                contact[k].point[2], length * contact[k].normal[0], length * contact[k].normal[1],
+                length * contact[k].normal[2]);
     }
     return scree_out_keep(&out, &figures->trouble);
 }

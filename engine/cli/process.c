@@ -251,8 +251,8 @@ static scree_status forces(scree_scene *scene, double *rear, double *front, doub
     *rear = *front = *along = 0.0;
     for (int k = 0; !status && k < count && k < MOST_CONTACTS; k++) {
         double x = contact[k].normal_force * contact[k].normal[0];
-        if (strstr(scree_scene_body_name(scene, contact[k].host), "rear")) *rear += x;
-        if (strstr(scree_scene_body_name(scene, contact[k].host), "front")) *front -= x;
+        if (strstr(scree_scene_body_name(scene, contact[k].host).text, "rear")) *rear += x;
+        if (strstr(scree_scene_body_name(scene, contact[k].host).text, "front")) *front -= x;
         *along += x + contact[k].friction[0];
     }
     return status;

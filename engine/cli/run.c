@@ -145,8 +145,8 @@ static void warn_of_chatter(const scree_scene *scene) {
     cli_complain("warning: the friction between \"%s\" and \"%s\" was too steep for the step (by a factor of "
                  "%.3g): sliding speeds "
                  "may chatter about zero; a larger threshold or a step below %.3g s avoids it",
-                 scree_shown(scree_scene_body_name(scene, ball)).text,
-                 scree_shown(scree_scene_body_name(scene, host)).text, steepest,
+                 scree_shown(scree_scene_body_name(scene, ball).text).text,
+                 scree_shown(scree_scene_body_name(scene, host).text).text, steepest,
                  scree_scene_step_length(scene) / steepest);
 }
 
@@ -186,8 +186,9 @@ static void warn_of_coarse_step(const struct run *run) {
                             : "impacts come out wrong by percents";
     cli_complain("warning: the step of %.3g s is more than a tenth of the shortest contact that can happen (%.3g s, "
                  "\"%s\" with \"%s\"): %s",
-                 step, choice->duration, scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[0])).text,
-                 scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[1])).text, which);
+                 step, choice->duration,
+                 scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[0]).text).text,
+                 scree_shown(scree_scene_body_name(run->scene, choice->shortest_pair[1]).text).text, which);
 }
 
 /* At 0.3 half-widths a step two balls that graze each other are off by 1 % of what they exchange, at 0.95 by 16 %. */
@@ -197,7 +198,7 @@ static void warn_of_haste(const struct run *run) {
     cli_complain("warning: \"%s\" moved, or its tips did, up to %.3g m in one step, %.2g of what the list of contacts "
                  "looks ahead: "
                  "contacts that it only grazes come out wrong by percents",
-                 scree_shown(scree_scene_body_name(scene, scene->hastiest)).text,
+                 scree_shown(scree_scene_body_name(scene, scene->hastiest).text).text,
                  scene->hasty * scene->contacts.least_skin, scene->hasty);
 }
 
@@ -221,8 +222,8 @@ static void summarise(const struct run *run, const char *folder, double seconds,
                 seconds, (double)steps / (seconds > 0.0 ? seconds : 1e-9));
     if (ball >= 0)
         fprintf(stderr, "deepest overlap: %.3g of the tolerable, \"%s\" with \"%s\"\n", deepest,
-                scree_shown(scree_scene_body_name(run->scene, ball)).text,
-                scree_shown(scree_scene_body_name(run->scene, host)).text);
+                scree_shown(scree_scene_body_name(run->scene, ball).text).text,
+                scree_shown(scree_scene_body_name(run->scene, host).text).text);
     if (run->scene->time.sleep > 0.0)
         fprintf(stderr, "asleep: %d of %d that forces move\n", scree_scene_asleep(run->scene), run->scene->plan.free);
     fprintf(stderr, "state hash: %016llx\n", (unsigned long long)scree_scene_hash(run->scene));
