@@ -1,4 +1,4 @@
-/* Candidates: pairs of bodies whose bounding spheres come within the skin. Bodies lie in grids of cells, one grid for each
+/* Candidates: pairs of bodies whose bounding spheres come within what both may go, mostly the skin. Bodies lie in grids of cells, one grid for each
  * power of two of their size, so that a body of any size meets a few cells of its own grid and of each coarser one (Hierarchical
  * grids: Ericson, Real-Time Collision Detection, 2005, section 7.2). Planes, which have no bounds, meet everything. */
 #include "contact/contacts.h"
@@ -30,7 +30,7 @@ struct grids {
     unsigned char *level;
 };
 
-/* Radius within which a body looks for others, half of the skin included. */
+/* Radius within which a body is looked for, and looks for others, half of the skin included. */
 static double reach_of(const struct scree_contacts *contacts, const struct scree_record *record) {
     return record->bound + 0.5 * contacts->skin;
 }
@@ -135,13 +135,14 @@ static void fill_cells(const struct scree_bodies *bodies, struct grids *grids) {
     }
 }
 
-static int bounds_meet(const struct scree_bodies *bodies, int i, int j, double skin) {
+static int bounds_meet(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
+    double left = scree_left_of(contacts, bodies, i, j);
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     if (!is_bounded(bodies, i)) {
         const struct mat *frame = &scree_attitude_of(bodies, i)->frame;
-        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= skin;
+        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left;
     }
-    double reach = a->bound + b->bound + skin;
+    double reach = a->bound + b->bound + left;
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
     if (bodies->periodic) apart = scree_nearest_image(bodies, apart);
     return vec_norm2(apart) <= reach * reach;
@@ -171,7 +172,7 @@ static void weigh(struct seeker *s, int k) {
     int near[SEEN], count = 0;
     for (int n = 0; n < s->count; n++) {
         near[count] = s->seen[n];
-        count += bounds_meet(s->bodies, k, s->seen[n], s->contacts->skin);
+        count += bounds_meet(s->contacts, s->bodies, k, s->seen[n]);
     }
     for (int n = 0; n < count; n++) add_pair(s, k, near[n]);
     s->count = 0;
@@ -220,13 +221,12 @@ static void look_about(struct seeker *s, int k, int level, const double at[3], d
             look_into(s, k, column_of(mix(key_of_level(level), x), y), low[2], high[2] - low[2] + 1.0, after);
 }
 
-/* The same in a coarser grid around the body, and around its images whose reach crosses the border of the periodic box. In its own
- * grid only these: what it can meet without crossing the border, look_beside finds. */
-static void look_around(struct seeker *s, int k, int level) {
+/* The same around the body, and around its images whose reach crosses the border of the periodic box. `own`: only these, for what it
+ * can meet without crossing the border, look_beside has found. */
+static void look_around(struct seeker *s, int k, int level, double reach, int own) {
     const struct scree_bodies *bodies = s->bodies;
     const struct scree_record *record = &bodies->record[k];
-    double size = cell_size(s->grids, level), far = reach_of(s->contacts, record) + 0.5 * size, at[3];
-    int own = level == s->grids->level[k];
+    double size = cell_size(s->grids, level), far = reach + 0.5 * size, at[3];
     if (!bodies->periodic) {
         look_about(s, k, level, record->x, far, size, 0);
         return;
@@ -247,14 +247,21 @@ static void look_around(struct seeker *s, int k, int level) {
             }
 }
 
-/* All partners of body k that it is its turn to find. */
+/* All partners of body k that it is its turn to find. A fast one, which may go farther than half the skin, finds all of its partners, in
+ * all grids: so nobody else has to look farther than half the skin. */
 static void look(struct seeker *s, int k) {
     const struct scree_contacts *contacts = s->contacts;
+    const struct grids *grids = s->grids;
+    double reach = reach_of(contacts, &s->bodies->record[k]), more = -s->bodies->record[k].path;
+    int own = grids->level[k];
     for (int p = 0; p < contacts->planes; p++)
-        if (bounds_meet(s->bodies, contacts->plane[p], k, contacts->skin)) add_pair(s, contacts->plane[p], k);
+        if (bounds_meet(contacts, s->bodies, contacts->plane[p], k)) add_pair(s, contacts->plane[p], k);
     look_beside(s, k);
-    for (int level = s->grids->level[k] + !s->bodies->periodic; level <= s->grids->highest; level++)
-        if (s->grids->used[level]) look_around(s, k, level);
+    for (int level = own + !s->bodies->periodic; level <= grids->highest; level++)
+        if (grids->used[level]) look_around(s, k, level, reach, level == own);
+    for (int level = 0; more > 0.0 && level <= grids->highest; level++)
+        if (grids->used[level])
+            look_around(s, k, level, reach + more + (contacts->widest_margin - 0.5 * contacts->skin), 0);
     weigh(s, k);
 }
 

@@ -238,13 +238,13 @@ struct scree_contacts {
      * these end. Whatever else takes numbers for each body or contact and keeps none: from two numbers a body on. */
     struct scree_space rough;
     int pairs, *end, *partner;
-    int planes, *plane; /* bodies without bounds */
-    double skin;        /* contacts with a gap up to this are in the outer list, m */
-    double least_skin;  /* what it is at first; where lists last too short it grows (list.c), */
-    double most_skin;   /* as far as this; m */
-    long listed_at;     /* step of the last outer list that a margin asked for */
-    double step;        /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
-    double *spare;      /* per body: way that its margin may still take out of its half of the skin, m */
+    int planes, *plane;   /* bodies without bounds */
+    double skin;          /* contacts with a gap up to this are in the outer list, m; each body may use up half of it */
+    double chosen_skin;   /* the same; limits and the order of bodies go by it, whatever lists are made with */
+    double most_margin;   /* a few fast bodies may use up more than half the skin: up to this, m; */
+    double widest_margin; /* and that is the most that one has */
+    double step;          /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
+    double *spare;        /* per body: way that its margin may still take out of what the outer list leaves it, m */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
     struct scree_space boxes;
@@ -281,8 +281,8 @@ void scree_contacts_destroy(struct scree_contacts *contacts);
 const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                              int i, int j, int *missing);
 
-/* How far lists look at first, and at most: wide where bodies are `few` or fewer (lists cost little, making them anew does), narrow where
- * they are many; always beyond `reach`, m, of the laws. Before the first list. */
+/* How far lists look, and at most for fast bodies: wide where bodies are `few` or fewer (lists cost little, making them anew does), narrow
+ * where they are many; always beyond `reach`, m, of the laws. Before the first list. */
 void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct scree_bodies *bodies, int few,
                                 double reach);
 
@@ -291,9 +291,9 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 
-/* After bodies have outgrown their margins (path > skin/2), in step number `steps`: pick near contacts anew from the outer list, or make
- * both lists anew if a body has used up its half of the skin. */
-scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, long steps, int threads,
+/* After bodies have outgrown their margins (path > skin/2): pick near contacts anew from the outer list, or make
+ * both lists anew if a body has used up what the outer one left it. */
+scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble);
 
 /* Put the bodies in the order of space, and the lists with them; the second only if they have got out of it. */
@@ -442,6 +442,13 @@ static inline int scree_compare_contacts(const struct scree_contact *a, const st
     uint64_t one = scree_rank(a, segment), other = scree_rank(b, segment);
     int order = (one > other) - (one < other);
     return order || segment > 0 ? order : (a->corner > b->corner) - (a->corner < b->corner);
+}
+
+/* How far two bodies may still go, both together, before one of them asks for a list, m. */
+static inline double scree_left_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i,
+                                   int j) {
+    double half = 0.5 * contacts->skin;
+    return (half - bodies->record[i].path) + (half - bodies->record[j].path);
 }
 
 /* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. What is above it can't touch before

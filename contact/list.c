@@ -6,13 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of a body in a step, m. */
+static double mean_way(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    double way = 0.0;
+    for (int k = bodies->order.members; k < bodies->count; k++) way += vec_norm(vec_from(bodies->record[k].v));
+    return way * contacts->step / (bodies->count - bodies->order.members);
+}
+
 /* Steps that a body's margin is to last at its speed. A margin m lets some 9 m/R contacts more per body into the near list, each of
  * which costs every step; a new list costs as much as five contacts: so the sum is least at sqrt(R/(2 w)) steps, where w is the mean
  * way of a body in one step, and R, about 2.5 skins, its radius. */
 static double steps_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
-    double way = 0.0;
-    for (int k = bodies->order.members; k < bodies->count; k++) way += vec_norm(vec_from(bodies->record[k].v));
-    way *= contacts->step / (bodies->count - bodies->order.members);
+    double way = mean_way(contacts, bodies);
     return fmax(fmin(sqrt(1.25 * contacts->skin / way), 400.0), 20.0);
 }
 
@@ -101,11 +106,11 @@ static void take_balls(struct scree_contacts *contacts, const struct scree_bodie
     struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
     int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
     int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
+    double left = scree_left_of(contacts, bodies, ball, host);
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
-        if (near || scree_gap(bodies, &contact, contacts->skin, overlap) <= contacts->skin)
-            take(bodies, batch, &contact, pass);
+        if (near || scree_gap(bodies, &contact, left, overlap) <= left) take(bodies, batch, &contact, pass);
     }
 }
 
@@ -129,12 +134,13 @@ static void take_boxes(struct scree_contacts *contacts, const struct scree_bodie
     int swap = bodies->number[i] > bodies->number[j], ball = swap ? j : i, host = swap ? i : j;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
     double overlap = scree_cores_overlap(&boxes), roundings = boxes.rounding_a + boxes.rounding_b;
-    if (-overlap > roundings + contacts->skin) return;
+    double left = scree_left_of(contacts, bodies, ball, host);
+    if (-overlap > roundings + left) return;
     if (pass == COUNT && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
     take_balls(contacts, bodies, rule, i, j, overlap, pass);
     take_balls(contacts, bodies, rule, j, i, overlap, pass);
     if (rule->corners) return;
-    int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, overlap, contacts->skin, code);
+    int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, overlap, left, code);
     for (int k = 0; k < count; k++) {
         struct scree_contact contact = {ball, host, code[k]};
         take(bodies, batch, &contact, pass);
@@ -149,14 +155,15 @@ static void take_image(struct scree_contacts *contacts, const struct scree_bodie
     enum scree_geometry geometry = off ? SCREE_BALL_IMAGE : SCREE_BALL_BALL;
     double gap =
         vec_norm(scree_apart(bodies, &contact, geometry)) - bodies->record[ball].radius - bodies->record[host].radius;
-    if (gap <= contacts->skin) take(bodies, scree_batch_for(contacts, rule, geometry), &contact, pass);
+    if (gap <= scree_left_of(contacts, bodies, ball, host))
+        take(bodies, scree_batch_for(contacts, rule, geometry), &contact, pass);
 }
 
 /* A ball on the nearest image of another, and where the box is so small that several are in reach on those too. */
 static void take_images(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_rule *rule, int ball, int host, enum pass pass) {
     const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
-    double reach = a->radius + b->radius + contacts->skin;
+    double reach = a->radius + b->radius + scree_left_of(contacts, bodies, ball, host);
     int first[3], last[3], periods[3];
     for (int axis = 0; axis < 3; axis++) {
         double period = bodies->period[axis], off = period > 0.0 ? (a->x[axis] - b->x[axis]) / period : 0.0;
@@ -287,14 +294,37 @@ static void limit_margins(struct scree_contacts *contacts, const struct scree_bo
     }
 }
 
-/* Give a body a margin out of what is left of its half of the skin: where bodies are many, so wide that it lasts for `steps`. 0 if too
- * little is left. */
+/* The most that a point of a body goes in a step, m. */
+static double way_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
+    const struct scree_record *record = &bodies->record[k];
+    double lever = scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound;
+    return contacts->step * (vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * lever);
+}
+
+/* Before an outer list: all that its bodies may go until the next one is half the skin, path 0. Where bodies are many, a few balls that are
+ * much faster than the others would use that up long before these, and an outer list costs as much as some ten steps: they may
+ * go farther, and their paths begin below 0. No result depends on it. */
+static void widen_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    double half = 0.5 * contacts->skin, steps = 0.0;
+    int many = are_many(contacts, bodies);
+    if (many) steps = fmin(half / (4.0 * mean_way(contacts, bodies) + SCREE_NO_SPEED), 2000.0);
+    contacts->widest_margin = half;
+    for (int k = 0; k < bodies->count; k++) {
+        bodies->record[k].path = 0.0;
+        if (!many || bodies->class[k] != SCREE_CLASS_BALL) continue;
+        double margin = fmin(1.5 * steps * way_of(contacts, bodies, k), contacts->most_margin);
+        if (!(margin > half)) continue;
+        bodies->record[k].path = half - margin;
+        contacts->widest_margin = fmax(contacts->widest_margin, margin);
+    }
+}
+
+/* Give a body a margin out of what the outer list has left it: where bodies are many, so wide that it lasts for `steps`. 0 if too little
+ * is left. */
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
-    double speed = vec_norm(vec_from(record->v)) +
-                   vec_norm(vec_from(record->w)) * (scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound);
-    double least = half / 80.0, most = half / 2.0, way = contacts->step * speed;
+    double least = half / 80.0, most = fmax(half, spare) / 2.0, way = way_of(contacts, bodies, k);
     double few = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
     double margin = are_many(contacts, bodies) ? fmin(fmax(steps * way, least), most) : few;
     margin = fmin(fmax(margin, 4.0 * way), spare);
@@ -313,10 +343,10 @@ static void grant_all(struct scree_contacts *contacts, const struct scree_bodies
         limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
-        contacts->spare[k] = half;
-        bodies->record[k].path = fixed ? half : 0.0;
+        contacts->spare[k] = half - bodies->record[k].path;
+        if (fixed) bodies->record[k].path = half;
         if (fixed || grant(contacts, bodies, k, steps)) continue;
-        bodies->record[k].path = contacts->spare[k] = 0.0; /* so fast that it takes all at once */
+        contacts->spare[k] = 0.0; /* so fast that it takes all at once */
     }
 }
 
@@ -403,6 +433,7 @@ static scree_status set_common_constants(const struct scree_contacts *contacts, 
 
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble) {
+    widen_margins(contacts, bodies);
     scree_status status = scree_candidates(contacts, bodies, threads, trouble);
     if (status) return status;
     take_all(contacts, bodies, threads, COUNT);
@@ -422,12 +453,11 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
-/* No list may drop a contact that still holds, hence 1.5 times the reach. Where bodies are many, and some thinner than others, lists may come
- * to look farther by as much as the mean body is wider than the least (of bodies that are alike a wider skin would take memory, and hardly
- * less time); not so far that one meets itself. */
+/* No list may drop a contact that still holds, hence 1.5 times the reach. Fast bodies among many may go as far as the mean body is wide
+ * beyond their half of the skin; not so far that one meets itself. */
 void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct scree_bodies *bodies, int few,
                                 double reach) {
-    double mean = 0.0, thinnest = HUGE_VAL, widest = HUGE_VAL;
+    double mean = 0.0, thinnest = HUGE_VAL, most = HUGE_VAL;
     int thick = 0;
     for (int k = 0; k < bodies->count; k++) {
         double half = scree_shape_half_width(&scree_kind_of(bodies, k)->shape);
@@ -435,26 +465,14 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
         if (half < HUGE_VAL) mean += (half - mean) / ++thick;
         for (int axis = 0; axis < 3; axis++)
             if (bodies->period[axis] > 0.0)
-                widest = fmin(widest, 0.5 * (bodies->period[axis] - 2.0 * bodies->record[k].radius));
+                most = fmin(most, 0.25 * (bodies->period[axis] - 2.0 * bodies->record[k].radius));
     }
     if (!thick) thinnest = mean = 1.0;
-    double skin = fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
-    contacts->skin = contacts->least_skin = skin;
-    contacts->most_skin = bodies->count > few ? fmin(skin + 2.0 * (mean - thinnest), widest) : skin;
+    contacts->skin = contacts->chosen_skin = fmax((bodies->count <= few ? 1.0 : 0.4) * thinnest, 1.5 * reach);
+    contacts->most_margin = fmin(0.5 * contacts->skin + mean, most);
 }
 
-/* Few fast bodies ask for an outer list again and again, though all others hardly move: a wider skin makes it longer, but not by as much as
- * it lasts. With 2000 ns for a list and some 80 ns for each time that near contacts are picked from it, both for each body, less than a
- * hundred steps are too few. No result depends on it. */
-static void fit_skin(struct scree_contacts *contacts, long steps) {
-    enum { SHORT = 100, LONG = 1000 };
-    long age = steps - contacts->listed_at;
-    if (age < SHORT) contacts->skin = fmax(fmin(1.5 * contacts->skin, contacts->most_skin), contacts->skin);
-    if (age > LONG) contacts->skin = fmin(fmax(contacts->skin / 1.5, contacts->least_skin), contacts->skin);
-    contacts->listed_at = steps;
-}
-
-scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, long steps, int threads,
+scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin, last = 0.0;
     if (are_many(contacts, bodies))
@@ -465,7 +483,6 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
         if (grant(contacts, bodies, k, last)) continue;
-        fit_skin(contacts, steps);
         return scree_contacts_list(contacts, bodies, threads, trouble);
     }
     contacts->renewals++;

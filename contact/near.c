@@ -147,13 +147,6 @@ static int sees_edges(struct sight *sight, const struct scree_bodies *bodies, co
     return sight->next < sight->count && sight->code[sight->next] == contact->corner;
 }
 
-/* What is left of the margins of two bodies. */
-static inline double left_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                             const struct scree_contact *contact) {
-    double half = 0.5 * contacts->skin;
-    return (half - bodies->record[contact->ball].path) + (half - bodies->record[contact->host].path);
-}
-
 /* Whether a contact may touch before its bodies have gone `left`, both together. */
 static int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
                    const struct scree_contact *contact, double left, struct sight *sight) {
@@ -198,7 +191,7 @@ static void look_over(const struct scree_contacts *contacts, const struct scree_
     for (int k = 0; k < count; k++) view->contact[k] = scree_outer(batch, s, first + k);
     for (int k = 0; k < count; k++) {
         const struct scree_contact *one = &view->contact[k];
-        double left = left_of(contacts, bodies, one);
+        double left = scree_left_of(contacts, bodies, one->ball, one->host);
         if (batch->geometry == SCREE_BALL_BALL && one->corner == 0)
             view->near[k] = (unsigned char)are_near(bodies, one, left);
         else
@@ -466,7 +459,7 @@ scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_b
     if (status) return status;
     for (int b = 0; b < contacts->batches; b++) rename_bodies(&contacts->batch[b], bodies->number);
     uint64_t *key = contacts->rough.memory;
-    scree_bodies_sort(bodies, contacts->least_skin, key, (int *)(key + count));
+    scree_bodies_sort(bodies, contacts->chosen_skin, key, (int *)(key + count));
     for (int b = 0; b < contacts->batches; b++) {
         rename_bodies(&contacts->batch[b], bodies->place);
         sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->rough.memory);

@@ -42,7 +42,7 @@ static scree_status renew_list(scree_scene *scene, const struct scree_bodies *no
         int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
         struct vec velocity = vec_from(now->record[k].v), spin = vec_from(now->record[k].w);
         double speed = vec_norm(velocity) + (plane ? 0.0 : vec_norm(spin) * record->bound);
-        double hasty = speed * scene->step / scene->contacts.least_skin;
+        double hasty = speed * scene->step / scene->contacts.chosen_skin;
         if (hasty > scene->hasty) {
             scene->hasty = hasty;
             scene->hastiest = bodies->number[k];
@@ -53,11 +53,11 @@ static scree_status renew_list(scree_scene *scene, const struct scree_bodies *no
                 cause, sizeof cause,
                 "it moves, or its tips do, %.3g m in one step, more than the list of contacts looks ahead (%.3g m): "
                 "it could pass through others unnoticed; take a smaller step",
-                speed * scene->step, scene->contacts.least_skin);
+                speed * scene->step, scene->contacts.chosen_skin);
             return stop(scene, bodies->number[k], -1, cause);
         }
     }
-    return scree_contacts_renew(&scene->contacts, &scene->bodies, scene->steps, threads_of(scene), &scene->trouble);
+    return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
 /* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state, rounding

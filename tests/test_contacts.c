@@ -236,9 +236,9 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
     return touching;
 }
 
-/* Candidate pairs of scattered bodies of sizes up to 1000:1, against all pairs: none missed, none twice. `height`: over their spread
- * sideways. */
-static void check_candidates(double ratio, double spread, double height, int count) {
+/* Candidate pairs of scattered bodies of sizes up to 1000:1, a few of which may go far, against all pairs: none missed, none twice.
+ * `height`: over their spread sideways. */
+static void check_candidates(double ratio, double spread, double height, int count, int periodic) {
     size_t size = 4096 + (size_t)count * 200;
     char *text = malloc(size);
     int used =
@@ -248,6 +248,10 @@ static void check_candidates(double ratio, double spread, double height, int cou
                  "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1.0, damping = 0 }\n"
                  "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
                  "position = [0, 0, -1e6]\n");
+    if (periodic)
+        used += snprintf(text + used, size - (size_t)used,
+                         "[domain]\nmin = [-1, %.17g, -1e9]\nmax = [1e9, %.17g, 1e9]\nperiodic = [\"y\"]\n", -spread,
+                         spread);
     uint64_t seed = 17;
     for (int k = 0; k < count; k++)
         used += snprintf(text + used, size - (size_t)used,
@@ -260,13 +264,20 @@ static void check_candidates(double ratio, double spread, double height, int cou
     struct scree_bodies *bodies = &scene->bodies;
     for (int k = 1; k <= count; k++) /* placed without overlaps; now as thick as it comes */
         bodies->record[k].x[0] = check_between(&seed, -spread, spread);
+    contacts->widest_margin = 0.5 * contacts->skin;
+    for (int k = 1; k <= count; k++) {
+        double more = k % 16 == 0 ? check_between(&seed, 0.0, fmin(spread, 30.0 * contacts->skin)) : 0.0;
+        bodies->record[k].path = -more;
+        contacts->widest_margin = fmax(contacts->widest_margin, 0.5 * contacts->skin + more);
+    }
     CHECK(scree_candidates(contacts, bodies, 1, NULL) == SCREE_OK);
     int found = 0, wrong = 0;
     for (int i = 0; i <= count; i++)
         for (int j = i + 1; j <= count; j++) {
             const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
-            double far = vec_norm(vec_sub(vec_from(a->x), vec_from(b->x)));
-            if (i == 0 || far > a->bound + b->bound + contacts->skin) continue; /* the floor is far below */
+            double far = vec_norm(scree_nearest_image(bodies, vec_sub(vec_from(a->x), vec_from(b->x))));
+            double left = contacts->skin - (a->path + b->path);
+            if (i == 0 || far > a->bound + b->bound + left) continue; /* the floor is far below */
             wrong += found >= contacts->end[i] || contacts->partner[found] != j;
             found++;
         }
@@ -276,11 +287,13 @@ static void check_candidates(double ratio, double spread, double height, int cou
 }
 
 static void test_candidates(void) {
-    check_candidates(1.0, 0.02, 1.0, 400);
-    check_candidates(100.0, 0.2, 1.0, 400);
-    check_candidates(1000.0, 1.0, 1.0, 400);
-    check_candidates(10.0, 1e-5, 1.0, 60);     /* all in one cell */
-    check_candidates(3.0, 0.002, 1000.0, 400); /* higher than the table of places, so that cells share these */
+    check_candidates(1.0, 0.02, 1.0, 400, 0);
+    check_candidates(1.0, 0.02, 1.0, 400, 1);
+    check_candidates(3.0, 0.02, 1.0, 400, 1);
+    check_candidates(100.0, 0.2, 1.0, 400, 0);
+    check_candidates(1000.0, 1.0, 1.0, 400, 0);
+    check_candidates(10.0, 1e-5, 1.0, 60, 0);     /* all in one cell */
+    check_candidates(3.0, 0.002, 1000.0, 400, 0); /* higher than the table of places, so that cells share these */
 }
 
 static void test_lists(void) {

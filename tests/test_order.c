@@ -205,7 +205,7 @@ static void test_same_bits(const char *const *changes, int count) {
 static void test_allocations(void) {
     char *text = gas_text(1.0);
     scree_scene *scene = scene_from(text, NULL, 0, 1);
-    scene->contacts.most_skin = scene->contacts.skin; /* so that there are many */
+    scene->contacts.most_margin = 0.0; /* so that there are many */
     go(scene, 2100);
     int calm = 0;
     for (int k = 0; k < 4; k++) {

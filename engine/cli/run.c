@@ -199,7 +199,7 @@ static void warn_of_haste(const struct run *run) {
                  "looks ahead: "
                  "contacts that it only grazes come out wrong by percents",
                  scree_shown(scree_scene_body_name(scene, scene->hastiest).text).text,
-                 scene->hasty * scene->contacts.least_skin, scene->hasty);
+                 scene->hasty * scene->contacts.chosen_skin, scene->hasty);
 }
 
 static void summarise_effort(const struct run *run, double seconds) {
