@@ -155,16 +155,23 @@ struct seeker {
     const struct scree_bodies *bodies;
     const struct grids *grids;
     struct scree_found *found;
-    struct scree_body_pair *pair; /* of this part */
+    int *number; /* found by this part */
+    int last;    /* for whom something was found last */
     int count, seen[SEEN];
 };
 
-/* Take up a pair whose bounds meet, if its materials do; what there is no room for is counted. */
-static void add_pair(struct seeker *s, int i, int j) {
-    struct scree_found *found = s->found;
-    if (!scree_contacts_rule(s->contacts, s->bodies, i, j, NULL)) return;
-    if (found->count < found->capacity) s->pair[found->count] = (struct scree_body_pair){i < j ? i : j, i < j ? j : i};
-    found->count++;
+static void put_number(struct seeker *s, int number) {
+    if (s->found->count < s->found->capacity) s->number[s->found->count] = number;
+    s->found->count++;
+}
+
+/* Take up a partner of body k whose bounds meet its, if their materials do; what there is no room for is counted. */
+static void add_partner(struct seeker *s, int k, int partner) {
+    if (!scree_contacts_rule(s->contacts, s->bodies, k, partner, NULL)) return;
+    if (s->last != k) put_number(s, ~k);
+    s->last = k;
+    put_number(s, partner);
+    s->found->partners++;
 }
 
 /* Which of those that body k has seen it may meet is a matter of chance: so nothing branches on it. */
@@ -174,7 +181,7 @@ static void weigh(struct seeker *s, int k) {
         near[count] = s->seen[n];
         count += bounds_meet(s->contacts, s->bodies, k, s->seen[n]);
     }
-    for (int n = 0; n < count; n++) add_pair(s, k, near[n]);
+    for (int n = 0; n < count; n++) add_partner(s, k, near[n]);
     s->count = 0;
 }
 
@@ -255,7 +262,7 @@ static void look(struct seeker *s, int k) {
     double reach = reach_of(contacts, &s->bodies->record[k]), more = -s->bodies->record[k].path;
     int own = grids->level[k];
     for (int p = 0; p < contacts->planes; p++)
-        if (bounds_meet(contacts, s->bodies, contacts->plane[p], k)) add_pair(s, contacts->plane[p], k);
+        if (bounds_meet(contacts, s->bodies, contacts->plane[p], k)) add_partner(s, k, contacts->plane[p]);
     look_beside(s, k);
     for (int level = own + !s->bodies->periodic; level <= grids->highest; level++)
         if (grids->used[level]) look_around(s, k, level, reach, level == own);
@@ -279,30 +286,51 @@ static int order_partners(int *partner, int first, int end, int kept) {
     return kept;
 }
 
-/* Where the pairs of a part are; NULL before there is room for any. */
-static struct scree_body_pair *found_in(const struct scree_contacts *contacts, int part) {
-    struct scree_body_pair *pair = contacts->listed.memory;
-    return pair ? pair + contacts->found[part].first : NULL;
+/* Where the numbers of a part are; NULL before there is room for any. */
+static int *found_in(const struct scree_contacts *contacts, int part) {
+    int *number = contacts->listed.memory;
+    return number ? number + contacts->found[part].first : NULL;
+}
+
+/* Count the partners of each body that are larger than it, into the place behind its own. */
+static void count_partners(const struct scree_contacts *contacts, int *start) {
+    for (int part = 0; part < SCREE_PARTS; part++) {
+        const int *number = found_in(contacts, part), count = contacts->found[part].count;
+        for (int n = 0, k = 0; n < count; n++) {
+            if (number[n] < 0)
+                k = ~number[n];
+            else
+                start[(k < number[n] ? k : number[n]) + 1]++;
+        }
+    }
+}
+
+/* Each partner into the next place of the lesser body: so each start becomes an end. */
+static void place_partners(const struct scree_contacts *contacts, int *start, int *partner) {
+    for (int part = 0; part < SCREE_PARTS; part++) {
+        const int *number = found_in(contacts, part), count = contacts->found[part].count;
+        for (int n = 0, k = 0; n < count; n++) {
+            if (number[n] < 0)
+                k = ~number[n];
+            else
+                partner[start[k < number[n] ? k : number[n]]++] = k < number[n] ? number[n] : k;
+        }
+    }
 }
 
 /* By (i, j): a count of each i gives its place. The cells have done their duty. */
 static scree_status sort_pairs(struct scree_contacts *contacts, size_t bodies, scree_trouble *trouble) {
     size_t all = 0;
-    for (int part = 0; part < SCREE_PARTS; part++) all += (size_t)contacts->found[part].count;
+    for (int part = 0; part < SCREE_PARTS; part++) all += (size_t)contacts->found[part].partners;
     contacts->pairs = 0;
     if (all > INT_MAX) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "%zu pairs are too many", all);
     scree_status status = scree_make_space(&contacts->rough, (bodies + 1 + all) * sizeof(int), trouble);
     if (status) return status;
     int *start = contacts->end = contacts->rough.memory, *partner = contacts->partner = start + bodies + 1, kept = 0;
     for (size_t k = 0; k <= bodies; k++) start[k] = 0;
-    for (int part = 0; part < SCREE_PARTS; part++)
-        for (int p = 0; p < contacts->found[part].count; p++) start[found_in(contacts, part)[p].i + 1]++;
+    count_partners(contacts, start);
     for (size_t k = 0; k < bodies; k++) start[k + 1] += start[k];
-    for (int part = 0; part < SCREE_PARTS; part++)
-        for (int p = 0; p < contacts->found[part].count; p++) {
-            struct scree_body_pair pair = found_in(contacts, part)[p];
-            partner[start[pair.i]++] = pair.j; /* so each start becomes an end */
-        }
+    place_partners(contacts, start, partner);
     for (size_t k = 0, first = 0; k < bodies; k++) {
         int end = contacts->end[k];
         contacts->end[k] = kept = order_partners(partner, (int)first, end, kept);
@@ -320,9 +348,9 @@ static int search(struct scree_contacts *contacts, const struct scree_bodies *bo
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
-        struct seeker seeker = {contacts, bodies, grids, found, found_in(contacts, part), 0, {0}};
+        struct seeker seeker = {contacts, bodies, grids, found, found_in(contacts, part), -1, 0, {0}};
         long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
-        found->count = 0;
+        found->count = found->partners = 0;
         for (int k = (int)from; k < to; k++)
             if (is_bounded(bodies, k)) look(&seeker, k);
     }
@@ -339,7 +367,7 @@ static scree_status share_out(struct scree_contacts *contacts, scree_trouble *tr
         found->first = all;
         all += (size_t)found->capacity;
     }
-    return scree_make_space(&contacts->listed, all * sizeof(struct scree_body_pair), trouble);
+    return scree_make_space(&contacts->listed, all * sizeof(int), trouble);
 }
 
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,

@@ -49,11 +49,6 @@ struct scree_contact {
     int ball, host, corner;
 };
 
-/* The same where there are no corners. */
-struct scree_ends {
-    int ball, host;
-};
-
 /* What a block of contacts yields. Impulses on the ball in N s, angular impulses on both bodies in N m s. */
 struct scree_yield {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
@@ -77,7 +72,9 @@ struct scree_moments {
  * slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): no two slabs of the same parity touch one body. */
 struct scree_part {
     int first, count, capacity;
-    int outer_first, outer_count;     /* in the outer list; slabs are counted apart from segment 0 */
+    int outer_count;                  /* contacts in its outer list; */
+    int codes_first, codes;           /* of a slab: where its codes begin in the batch's, and how many they are */
+    int last;                         /* whose partners have been named last, while the list is made */
     int stirring_first, stirring_end; /* those that aren't still, in the batch's list of them (rest.h) */
 };
 
@@ -129,18 +126,31 @@ struct scree_batch {
     int impulses;
     double *past[SCREE_PAST];
     struct scree_moments *moments; /* per block of segment 0 */
-    /* Contacts that may get near before bodies have gone half a skin; near ones are picked from them. Those of slabs have no
-     * corners (scree_outer). */
+    /* Contacts that may get near before bodies have gone half a skin; near ones are picked from them. Those of slabs, which have no
+     * corners, are codes: ~i names the body that comes first, then each 2 j + 1 or 2 j its partner j, which is the ball or isn't. */
     int outer_count;
     struct scree_contact *loose; /* of segment 0 */
-    struct scree_ends *outer;    /* of the slabs */
+    int *code;                   /* of the slabs */
 };
 
-/* Contact k of the outer list of a segment. */
-static inline struct scree_contact scree_outer(const struct scree_batch *batch, int segment, int k) {
-    if (segment == 0) return batch->loose[k];
-    const struct scree_ends *ends = &batch->outer[batch->segment[segment].outer_first + k];
-    return (struct scree_contact){ends->ball, ends->host, 0};
+/* Goes through the outer list of a segment. */
+struct scree_outer {
+    const struct scree_contact *loose;
+    const int *code;
+    int first;
+};
+
+static inline struct scree_outer scree_outer_of(const struct scree_batch *batch, int segment) {
+    if (segment == 0) return (struct scree_outer){batch->loose, NULL, 0};
+    return (struct scree_outer){NULL, batch->code + batch->segment[segment].codes_first, 0};
+}
+
+static inline struct scree_contact scree_next_outer(struct scree_outer *outer) {
+    if (outer->loose) return *outer->loose++;
+    if (*outer->code < 0) outer->first = ~*outer->code++;
+    int code = *outer->code++, partner = code >> 1;
+    return code & 1 ? (struct scree_contact){partner, outer->first, 0}
+                    : (struct scree_contact){outer->first, partner, 0};
 }
 
 /* Indices of the near contacts of a batch, one after the other; -1: no more. */
@@ -178,15 +188,13 @@ struct scree_tally {
     int too_far; /* a body has outgrown its margin */
 };
 
-struct scree_body_pair {
-    int i, j; /* i < j */
-};
-
-/* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these. */
+/* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these. What is found is
+ * numbers: ~k, then all that body k has found. */
 enum { SCREE_PARTS = 32 };
 struct scree_found {
-    size_t first; /* its share of the memory */
-    int count, capacity;
+    size_t first;        /* its share of the memory */
+    int count, capacity; /* numbers */
+    int partners;        /* those that aren't ~k */
 };
 
 /* Memory whose contents are needed no longer than until it is asked for anew. */

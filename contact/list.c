@@ -89,13 +89,26 @@ static void sort(struct scree_batch *batch) {
 /* What is done with a contact that the candidates yield: counted, or put in its place. */
 enum pass { COUNT, FILL };
 
+/* Bodies come in their order, and so do their partners. */
+static void encode(struct scree_batch *batch, struct scree_part *segment, const struct scree_contact *contact,
+                   enum pass pass) {
+    int swap = contact->host < contact->ball, first = swap ? contact->host : contact->ball;
+    int partner = swap ? contact->ball : contact->host, *code = batch->code + segment->codes_first + segment->codes;
+    if (segment->last != first) {
+        if (pass == FILL) *code++ = ~first;
+        segment->codes++;
+        segment->last = first;
+    }
+    if (pass == FILL) *code = 2 * partner + swap;
+    segment->codes++;
+}
+
 static void take(const struct scree_bodies *bodies, struct scree_batch *batch, const struct scree_contact *contact,
                  enum pass pass) {
     int s = scree_segment_of(bodies, batch, contact);
     struct scree_part *segment = &batch->segment[s];
     if (pass == FILL && s == 0) batch->loose[segment->outer_count] = *contact;
-    if (pass == FILL && s > 0)
-        batch->outer[segment->outer_first + segment->outer_count] = (struct scree_ends){contact->ball, contact->host};
+    if (s > 0) encode(batch, segment, contact, pass);
     if (!batch->any_turns && scree_contact_turns(batch, contact)) batch->any_turns = 1;
     segment->outer_count++;
 }
@@ -210,7 +223,11 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
     (void)threads; /* without OpenMP */
     for (int b = 0; b < contacts->batches; b++) {
         contacts->batch[b].any_turns = contacts->batch[b].turns;
-        for (int s = 0; s <= order->slabs; s++) contacts->batch[b].segment[s].outer_count = 0;
+        for (int s = 0; s <= order->slabs; s++) {
+            struct scree_part *segment = &contacts->batch[b].segment[s];
+            segment->outer_count = segment->codes = 0;
+            segment->last = -1;
+        }
     }
     take_some(contacts, bodies, 0, members, pass);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1 && !bodies->periodic)
@@ -221,30 +238,31 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
 /* Room for what was counted; what candidates were found in is free again. */
 static scree_status make_room(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               scree_trouble *trouble) {
-    size_t loose = 0, slabs = 0;
+    size_t loose = 0, codes = 0;
     contacts->busy_batches = 0;
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
-        int count = 0;
+        int own = 0;
+        batch->outer_count = batch->segment[0].outer_count;
         for (int s = 1; s <= bodies->order.slabs; s++) {
-            batch->segment[s].outer_first = count;
-            count += batch->segment[s].outer_count;
+            batch->segment[s].codes_first = own;
+            own += batch->segment[s].codes;
+            batch->outer_count += batch->segment[s].outer_count;
         }
-        slabs += (size_t)count;
+        codes += (size_t)own;
         loose += (size_t)batch->segment[0].outer_count;
-        batch->outer_count = count + batch->segment[0].outer_count;
         if (batch->outer_count) contacts->busy[contacts->busy_batches++] = k;
     }
-    scree_status status = scree_make_space(
-        &contacts->listed, loose * sizeof(struct scree_contact) + slabs * sizeof(struct scree_ends), trouble);
+    scree_status status =
+        scree_make_space(&contacts->listed, loose * sizeof(struct scree_contact) + codes * sizeof(int), trouble);
     struct scree_contact *contact = contacts->listed.memory;
-    struct scree_ends *ends = (struct scree_ends *)(contact + loose);
+    int *code = (int *)(contact + loose);
     for (int k = 0; k < contacts->batches && !status; k++) {
         struct scree_batch *batch = &contacts->batch[k];
         batch->loose = contact;
-        batch->outer = ends;
+        batch->code = code;
         contact += batch->segment[0].outer_count;
-        ends += batch->outer_count - batch->segment[0].outer_count;
+        for (int s = 1; s <= bodies->order.slabs; s++) code += batch->segment[s].codes;
     }
     return status;
 }
@@ -374,21 +392,24 @@ static struct columns constants_of(const struct scree_contacts *contacts, const 
 static struct scree_contact first_outer(const struct scree_batch *batch) {
     int s = 0;
     while (batch->segment[s].outer_count == 0) s++;
-    return scree_outer(batch, s, 0);
+    struct scree_outer outer = scree_outer_of(batch, s);
+    return scree_next_outer(&outer);
 }
 
 /* What the constants of a pair depend on is the same for all contacts. */
 static int is_uniform(const struct scree_bodies *bodies, const struct scree_batch *batch) {
     struct scree_contact first = first_outer(batch);
     const struct scree_record *a = &bodies->record[first.ball], *b = &bodies->record[first.host];
-    for (int s = 0; s <= bodies->order.slabs; s++)
+    for (int s = 0; s <= bodies->order.slabs; s++) {
+        struct scree_outer outer = scree_outer_of(batch, s);
         for (int k = 0; k < batch->segment[s].outer_count; k++) {
-            struct scree_contact one = scree_outer(batch, s, k);
+            struct scree_contact one = scree_next_outer(&outer);
             const struct scree_record *c = &bodies->record[one.ball], *d = &bodies->record[one.host];
             if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
                 b->inverse_mass != d->inverse_mass)
                 return 0;
         }
+    }
     return 1;
 }
 

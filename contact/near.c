@@ -167,9 +167,13 @@ static inline int are_near(const struct scree_bodies *bodies, const struct scree
     return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
 }
 
-/* Some contacts of a segment's outer list, and which of them are near. Chance decides that: so nothing branches on it. */
+/* Some contacts of a segment's outer list, and which of them are near. Chance decides that: so nothing branches on it. The next ones are
+ * read ahead, so that their bodies come from memory meanwhile. */
 struct view {
-    struct scree_contact contact[SCREE_LANES];
+    struct scree_outer outer;
+    int left; /* to be read */
+    int count, to_come;
+    struct scree_contact contact[SCREE_LANES], next[SCREE_LANES];
     unsigned char near[SCREE_LANES];
 };
 
@@ -179,17 +183,23 @@ static inline void call(const struct scree_record *record) {
     __builtin_prefetch(record->f);
 }
 
-static void look_over(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                      const struct scree_batch *batch, int s, int first, int count, struct sight *sight,
-                      struct view *view) {
-    int end = batch->segment[s].outer_count;
-    for (int k = first + count; k < first + count + SCREE_LANES && k < end; k++) {
-        struct scree_contact next = scree_outer(batch, s, k);
-        call(&bodies->record[next.ball]);
-        call(&bodies->record[next.host]);
+static void read_ahead(const struct scree_bodies *bodies, struct view *view) {
+    view->to_come = view->left < SCREE_LANES ? view->left : SCREE_LANES;
+    view->left -= view->to_come;
+    for (int k = 0; k < view->to_come; k++) {
+        view->next[k] = scree_next_outer(&view->outer);
+        call(&bodies->record[view->next[k].ball]);
+        call(&bodies->record[view->next[k].host]);
     }
-    for (int k = 0; k < count; k++) view->contact[k] = scree_outer(batch, s, first + k);
-    for (int k = 0; k < count; k++) {
+}
+
+/* The next ones. */
+static void look_over(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_batch *batch, struct sight *sight, struct view *view) {
+    view->count = view->to_come;
+    memcpy(view->contact, view->next, (size_t)view->count * sizeof *view->next);
+    read_ahead(bodies, view);
+    for (int k = 0; k < view->count; k++) {
         const struct scree_contact *one = &view->contact[k];
         double left = scree_left_of(contacts, bodies, one->ball, one->host);
         if (batch->geometry == SCREE_BALL_BALL && one->corner == 0)
@@ -210,9 +220,12 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
     struct sight sight;
     struct view view;
     sight.ball = sight.host = -1;
+    view.outer = scree_outer_of(batch, s);
+    view.left = segment->outer_count;
+    read_ahead(bodies, &view);
     for (int k = 0; k < segment->outer_count; k++) {
-        int lane = k % SCREE_LANES, left = segment->outer_count - k;
-        if (lane == 0) look_over(contacts, bodies, batch, s, k, left < SCREE_LANES ? left : SCREE_LANES, &sight, &view);
+        int lane = k % SCREE_LANES;
+        if (lane == 0) look_over(contacts, bodies, batch, &sight, &view);
         const struct scree_contact one = view.contact[lane];
         int near = view.near[lane];
         while (before < segment->count && scree_compare_contacts(&old[before], &one, s) < 0) before++;
