@@ -82,6 +82,7 @@ struct block {
     double touching[SCREE_LANES];    /* 1 while the contact lasts, else 0 */
     double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
     double friction[3][SCREE_LANES]; /* N */
+    double state[SCREE_LANES];       /* of friction, as kept */
     double torque[3][SCREE_LANES];   /* of the rolling law on the ball, N m */
     double power[SCREE_LANES];       /* that it takes from the motion, W */
 };

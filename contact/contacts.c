@@ -81,6 +81,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         scree_memory_free(batch->moments);
         for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) scree_memory_free(batch->pair[m]);
         for (int m = 0; m < SCREE_MEMORY; m++) scree_memory_free(batch->kept[m]);
+        scree_memory_free(batch->slides);
         for (int m = 0; m < SCREE_PAST; m++) scree_memory_free(batch->past[m]);
         scree_memory_free(batch->run);
         scree_memory_free(batch->first_run);

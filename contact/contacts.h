@@ -108,8 +108,10 @@ struct scree_batch {
     struct scree_contact *contact;
     double *pair[SCREE_PAIR_COLUMNS];
     int pair_capacity;
-    unsigned char keeps[SCREE_MEMORY]; /* which columns there are */
+    unsigned char keeps
+        [SCREE_MEMORY]; /* which numbers are kept: in columns, but for friction's state, which is 0 or 1: in bytes */
     double *kept[SCREE_MEMORY];
+    unsigned char *slides;
     struct scree_yield *yield; /* per block of segment 0 */
     int blocks;                /* room for so many */
     /* Only of edges on edges: the runs, and of each block the run of its first contact. */
@@ -172,7 +174,14 @@ static inline int scree_first(const struct scree_batch *batch) {
 
 /* Number m of what laws keep of contact k. */
 static inline double scree_kept(const struct scree_batch *batch, int m, int k) {
+    if (m == SCREE_KEPT_STATE) return batch->slides && batch->slides[k] ? 1.0 : 0.0;
     return batch->kept[m] ? batch->kept[m][k] : 0.0;
+}
+
+/* Keep it, if the laws do. */
+static inline void scree_keep(const struct scree_batch *batch, int m, int k, double value) {
+    if (m == SCREE_KEPT_STATE && batch->slides) batch->slides[k] = value > 0.0;
+    if (batch->kept[m]) batch->kept[m][k] = value;
 }
 
 /* Pair constant c of contact k. */

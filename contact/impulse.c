@@ -226,7 +226,7 @@ static struct scree_pair_instant instant_of(const struct scree_pair_motion *p, s
     if (p->friction && p->friction->memory) {
         struct vec stretch = vec(kept[0][k], kept[1][k], kept[2][k]);
         at.stretch = scree_into_tangent_plane(stretch, now.normal);
-        at.sliding = kept[3][k];
+        at.sliding = scree_kept(place.batch, SCREE_KEPT_STATE, k);
     }
     return at;
 }
@@ -242,7 +242,7 @@ static void keep(const struct scree_pair_motion *p, struct place place, const st
         kept[0][k] = at->stretch.x;
         kept[1][k] = at->stretch.y;
         kept[2][k] = at->stretch.z;
-        kept[3][k] = at->sliding;
+        scree_keep(place.batch, SCREE_KEPT_STATE, k, at->sliding);
     }
 }
 

@@ -18,7 +18,13 @@ enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12
 
 /* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the normal
  * law, and stretch and state of rolling and of twisting. All zero when a contact begins. */
-enum { SCREE_KEPT_FRICTION = 0, SCREE_KEPT_NORMAL = 4, SCREE_KEPT_ROLLING = 6, SCREE_MEMORY = 12 };
+enum {
+    SCREE_KEPT_FRICTION = 0,
+    SCREE_KEPT_STATE = 3,
+    SCREE_KEPT_NORMAL = 4,
+    SCREE_KEPT_ROLLING = 6,
+    SCREE_MEMORY = 12
+};
 
 /* Which numbers a parameter may take. */
 enum scree_range {

@@ -303,6 +303,17 @@ static void begin_stretches(const struct block *b, int count, double step, doubl
     }
 }
 
+/* Friction's state, kept in bytes, to a column and back. */
+static void unpack(const unsigned char *slides, int count, double *state) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) state[k] = slides[k];
+}
+
+static void pack(const double *state, int count, unsigned char *slides) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) slides[k] = (unsigned char)state[k];
+}
+
 /* From gathered columns on, all passes but the last. */
 static void press_gathered(const struct scree_contacts *contacts, const struct scree_batch *batch, int first, int count,
                            double step, struct block *b) {
@@ -311,6 +322,7 @@ static void press_gathered(const struct scree_contacts *contacts, const struct s
     double *kept[SCREE_MEMORY];
     for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
     for (int m = 0; m < SCREE_MEMORY; m++) kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
+    if (batch->slides) unpack(batch->slides + first, count, kept[SCREE_KEPT_STATE] = b->state);
     if (some_meet_or_part(b, count, step)) {
         const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
         share_out(count, step, b);
@@ -318,6 +330,7 @@ static void press_gathered(const struct scree_contacts *contacts, const struct s
     }
     press_and_rub(b, count, rule, pair, kept, step);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, pair, kept, step);
+    if (batch->slides) pack(b->state, count, batch->slides + first);
 }
 
 /* The last pass. */
@@ -339,6 +352,7 @@ static void stay_silent(const struct scree_batch *batch, int first, int count, s
     yield->lost_normal = yield->work_tangential = 0.0;
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->kept[m]) memset(batch->kept[m] + first, 0, (size_t)padded(count) * sizeof(double));
+    if (batch->slides) memset(batch->slides + first, 0, (size_t)padded(count));
 }
 
 /* The rest of what edges on edges do, on top of what the middle of the overlap yields. */
@@ -556,6 +570,7 @@ static SCREE_INLINE void call_ahead(const struct scree_batch *batch, int first, 
     call(batch->contact, later * sizeof *batch->contact, QUARTER * sizeof *batch->contact);
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->kept[m]) call(batch->kept[m], later * sizeof(double), QUARTER * sizeof(double));
+    if (batch->slides && quarter == 0) call(batch->slides, later, 1);
 }
 
 static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,

@@ -69,6 +69,14 @@ static inline void fetch_column(const double *column, int first, const int *inde
     }
 }
 
+/* The same of friction's state. */
+static inline void fetch_state(const unsigned char *slides, int first, const int *index, int count, double *to) {
+    for (int k = 0; k < padded(count); k++) {
+        int from = index ? index[k < count ? k : count - 1] : first + k;
+        to[k] = slides[from] ? 1.0 : 0.0;
+    }
+}
+
 /* What is kept of the contacts. */
 static void fetch_kept(const struct scree_batch *batch, int first, const int *index, int count, int turns,
                        struct block *b, struct meeting *to, struct course *c, struct motion *m) {
@@ -89,7 +97,7 @@ static void fetch_kept(const struct scree_batch *batch, int first, const int *in
         return;
     }
     for (int axis = 0; axis < 3; axis++) fetch_column(batch->kept[axis], first, index, count, c->s[axis]);
-    fetch_column(batch->kept[3], first, index, count, c->slides);
+    fetch_state(batch->slides, first, index, count, c->slides);
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) put(c->s, k, scree_into_tangent_plane(get(c->s, k), get(b->n, k)));
 }

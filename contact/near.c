@@ -39,12 +39,23 @@ scree_status scree_make_space(struct scree_space *space, size_t size, scree_trou
 
 /* ---- columns ---- */
 
-/* The columns of a batch that belong to its contacts; returns how many. */
-static int columns_of(const struct scree_batch *batch, double *column[SCREE_MEMORY + SCREE_PAST]) {
+/* A column of a batch that belongs to its contacts: numbers, or bytes. */
+struct column {
+    unsigned char *at;
+    size_t size; /* of each */
+};
+
+static void *place_in(struct column column, int k) { return column.at + (size_t)k * column.size; }
+
+/* The columns of a batch; returns how many. */
+enum { MOST_COLUMNS = SCREE_MEMORY + SCREE_PAST };
+static int columns_of(const struct scree_batch *batch, struct column column[MOST_COLUMNS]) {
     int count = 0;
     for (int m = 0; m < SCREE_MEMORY; m++)
-        if (batch->keeps[m]) column[count++] = batch->kept[m];
-    for (int m = 0; batch->impulses && m < SCREE_PAST; m++) column[count++] = batch->past[m];
+        if (batch->kept[m]) column[count++] = (struct column){(unsigned char *)batch->kept[m], sizeof(double)};
+    for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
+        column[count++] = (struct column){(unsigned char *)batch->past[m], sizeof(double)};
+    if (batch->slides) column[count++] = (struct column){batch->slides, 1};
     return count;
 }
 
@@ -53,7 +64,9 @@ static scree_status enlarge_batch(struct scree_batch *batch, int capacity, scree
     if (capacity <= before) return SCREE_OK;
     ok &= scree_enlarge(&batch->contact, before, capacity, sizeof *batch->contact);
     for (int m = 0; m < SCREE_MEMORY; m++)
-        if (batch->keeps[m]) ok &= scree_enlarge(&batch->kept[m], before, capacity, sizeof(double));
+        if (batch->keeps[m] && m != SCREE_KEPT_STATE)
+            ok &= scree_enlarge(&batch->kept[m], before, capacity, sizeof(double));
+    if (batch->keeps[SCREE_KEPT_STATE]) ok &= scree_enlarge(&batch->slides, before, capacity, 1);
     for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
         ok &= scree_enlarge(&batch->past[m], before, capacity, sizeof(double));
     if (!ok) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", capacity);
@@ -75,20 +88,20 @@ static scree_status enlarge_yield(struct scree_batch *batch, scree_trouble *trou
 
 /* Move a segment's contacts and columns. */
 static void shift(struct scree_batch *batch, struct scree_part *segment, int to) {
-    double *column[SCREE_MEMORY + SCREE_PAST];
+    struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column), count = segment->count;
     if (to != segment->first && count)
         memmove(batch->contact + to, batch->contact + segment->first, (size_t)count * sizeof *batch->contact);
     for (int c = 0; c < columns && to != segment->first && count; c++)
-        memmove(column[c] + to, column[c] + segment->first, (size_t)count * sizeof(double));
+        memmove(place_in(column[c], to), place_in(column[c], segment->first), (size_t)count * column[c].size);
     segment->first = to;
 }
 
 static void clear_padding(struct scree_batch *batch, const struct scree_part *segment) {
-    double *column[SCREE_MEMORY + SCREE_PAST];
+    struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column), count = segment->count;
     for (int c = 0; c < columns && count; c++)
-        memset(column[c] + segment->first + count, 0, (size_t)(padded(count) - count) * sizeof(double));
+        memset(place_in(column[c], segment->first + count), 0, (size_t)(padded(count) - count) * column[c].size);
 }
 
 /* Give the segments of a batch the capacities wanted (in `capacity`), in the order of segments. */
@@ -114,9 +127,11 @@ static scree_status lay_out(struct scree_batch *batch, int segments, const int *
 
 /* ---- picking ---- */
 
-static int keeps_something(double *const *column, int columns, int k) {
-    for (int c = 0; c < columns; c++)
-        if (column[c][k] != 0.0) return 1;
+static int keeps_something(const struct scree_batch *batch, int k) {
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (scree_kept(batch, m, k) != 0.0) return 1;
+    for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
+        if (batch->past[m][k] != 0.0) return 1;
     return 0;
 }
 
@@ -215,8 +230,7 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
     const struct scree_part *segment = &batch->segment[s];
     if (segment->outer_count == 0) return 0;
     const struct scree_contact *old = segment->count ? batch->contact + segment->first : NULL;
-    double *column[SCREE_MEMORY + SCREE_PAST];
-    int columns = columns_of(batch, column), count = 0, before = 0;
+    int count = 0, before = 0;
     struct sight sight;
     struct view view;
     sight.ball = sight.host = -1;
@@ -230,7 +244,7 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
         int near = view.near[lane];
         while (before < segment->count && scree_compare_contacts(&old[before], &one, s) < 0) before++;
         int same = before < segment->count && scree_compare_contacts(&old[before], &one, s) == 0;
-        if (same && !near) near = keeps_something(column, columns, segment->first + before);
+        if (same && !near) near = keeps_something(batch, segment->first + before);
         scratch->contact[count] = one; /* counts if it is near */
         scratch->from[count] = same ? before : -1;
         count += near;
@@ -239,16 +253,27 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
     return count;
 }
 
-/* Columns from the places of the old list to those of the new one: those that go on move together, then apart. */
+/* A column from the places of the old list to those of the new one: those that go on move together, then apart. `size` is a constant. */
+static SCREE_INLINE void move_column(unsigned char *own, size_t size, int count, const int *from) {
+    size_t going_on = 0;
+    for (int k = 0; k < count; k++)
+        if (from[k] >= 0) memmove(own + going_on++ * size, own + (size_t)from[k] * size, size);
+    for (int k = padded(count) - 1; k >= 0; k--) {
+        if (k < count && from[k] >= 0)
+            memmove(own + (size_t)k * size, own + --going_on * size, size);
+        else
+            memset(own + (size_t)k * size, 0, size);
+    }
+}
+
 static void move_columns(struct scree_batch *batch, const struct scree_part *segment, int count, const int *from) {
-    double *column[SCREE_MEMORY + SCREE_PAST];
+    struct column column[MOST_COLUMNS];
     int columns = count ? columns_of(batch, column) : 0;
     for (int c = 0; c < columns; c++) {
-        double *own = column[c] + segment->first;
-        int going_on = 0;
-        for (int k = 0; k < count; k++)
-            if (from[k] >= 0) own[going_on++] = own[from[k]];
-        for (int k = padded(count) - 1; k >= 0; k--) own[k] = k < count && from[k] >= 0 ? own[--going_on] : 0.0;
+        if (column[c].size == 1)
+            move_column(place_in(column[c], segment->first), 1, count, from);
+        else
+            move_column(place_in(column[c], segment->first), sizeof(double), count, from);
     }
 }
 
@@ -390,8 +415,7 @@ scree_status scree_contacts_remember(struct scree_batch *batch, const struct scr
     if (segment->count == 0) segment->first = place;
     segment->capacity = ++segment->count;
     batch->contact[place] = *contact;
-    for (int m = 0; m < SCREE_MEMORY; m++)
-        if (batch->keeps[m]) batch->kept[m][place] = kept[m];
+    for (int m = 0; m < SCREE_MEMORY; m++) scree_keep(batch, m, place, kept[m]);
     for (int m = 0; batch->impulses && m < SCREE_PAST; m++) batch->past[m][place] = past[m];
     batch->count++;
     return SCREE_OK;
@@ -448,10 +472,10 @@ static int close_up(struct scree_batch *batch) {
 
 /* Put the first `used` contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the other. */
 static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int used, int *index) {
-    double *column[SCREE_MEMORY + SCREE_PAST];
+    struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column);
     sort_indices(bodies, batch, index, used);
-    for (int c = 0; c < columns; c++) scree_permute(column[c], sizeof *column[c], index, used);
+    for (int c = 0; c < columns; c++) scree_permute(column[c].at, column[c].size, index, used);
     scree_permute(batch->contact, sizeof *batch->contact, index, used);
     memset(batch->segment, 0, SCREE_SEGMENTS * sizeof *batch->segment);
     for (int k = 0; k < used; k++) {
@@ -485,7 +509,7 @@ scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_b
 /* A contact with what is kept of it, on its way to another batch. */
 struct scree_moving {
     struct scree_contact contact;
-    double kept[SCREE_MEMORY + SCREE_PAST];
+    double kept[MOST_COLUMNS];
 };
 
 static const struct scree_return *return_of(const struct scree_contacts *contacts, int body) {
@@ -525,30 +549,30 @@ static int count_moving(const struct scree_contacts *contacts, const struct scre
 /* Give all contacts of a batch their new codes; those that belong to the other batch go to `moving`. Returns how many stay. */
 static int take_out(const struct scree_contacts *contacts, struct scree_batch *batch, int used,
                     struct scree_moving *moving) {
-    double *column[SCREE_MEMORY + SCREE_PAST];
+    struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column), stay = 0;
     for (int k = 0; k < used; k++) {
         struct scree_contact contact = batch->contact[k];
         contact.corner = code_after(contacts, &contact);
         if ((contact.corner == 0) != (batch->geometry == SCREE_BALL_BALL)) {
             moving->contact = contact;
-            for (int c = 0; c < columns; c++) moving->kept[c] = column[c][k];
+            for (int c = 0; c < columns; c++) memcpy(&moving->kept[c], place_in(column[c], k), column[c].size);
             moving++;
             continue;
         }
         batch->contact[stay] = contact;
-        for (int c = 0; c < columns; c++) column[c][stay] = column[c][k];
+        for (int c = 0; c < columns; c++) memmove(place_in(column[c], stay), place_in(column[c], k), column[c].size);
         stay++;
     }
     return stay;
 }
 
 static void put_in(struct scree_batch *batch, int at, const struct scree_moving *moving, int count) {
-    double *column[SCREE_MEMORY + SCREE_PAST];
+    struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column);
     for (int k = 0; k < count; k++) {
         batch->contact[at + k] = moving[k].contact;
-        for (int c = 0; c < columns; c++) column[c][at + k] = moving[k].kept[c];
+        for (int c = 0; c < columns; c++) memcpy(place_in(column[c], at + k), &moving[k].kept[c], column[c].size);
     }
 }
 

@@ -163,8 +163,7 @@ scree_status scree_rest_prepare(struct scree_contacts *contacts, struct scree_bo
 
 void scree_rest_give_back(const struct scree_batch *batch) {
     for (int n = 0; n < batch->held; n++)
-        for (int m = 0; m < SCREE_MEMORY; m++)
-            if (batch->keeps[m]) batch->kept[m][batch->holds[n].index] = batch->holds[n].kept[m];
+        for (int m = 0; m < SCREE_MEMORY; m++) scree_keep(batch, m, batch->holds[n].index, batch->holds[n].kept[m]);
 }
 
 /* A block of contacts that lie scattered in a batch, as a batch of its own. */
@@ -172,13 +171,15 @@ struct gathered {
     struct scree_batch batch;
     struct scree_contact contact[SCREE_LANES];
     double kept[SCREE_MEMORY][SCREE_LANES], pair[SCREE_PAIR_COLUMNS][SCREE_LANES];
+    unsigned char slides[SCREE_LANES];
 };
 
 static void gather(const struct scree_batch *batch, const int *index, int count, struct gathered *g) {
     int padded = (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING;
     for (int k = 0; k < count; k++) g->contact[k] = batch->contact[index[k]];
     for (int m = 0; m < SCREE_MEMORY; m++)
-        for (int k = 0; batch->keeps[m] && k < padded; k++) g->kept[m][k] = k < count ? batch->kept[m][index[k]] : 0.0;
+        for (int k = 0; batch->keeps[m] && k < padded; k++)
+            scree_keep(&g->batch, m, k, k < count ? scree_kept(batch, m, index[k]) : 0.0);
     for (int c = 0; c < SCREE_PAIR_COLUMNS && !batch->uniform; c++)
         for (int k = 0; k < padded; k++) g->pair[c][k] = batch->pair[c][index[k < count ? k : count - 1]];
 }
@@ -187,7 +188,8 @@ void scree_rest_act(const struct scree_contacts *contacts, struct scree_bodies *
                     const struct scree_part *segment, double step, struct scree_tally *tally) {
     struct gathered g = {.batch = *batch};
     g.batch.contact = g.contact;
-    for (int m = 0; m < SCREE_MEMORY; m++) g.batch.kept[m] = batch->keeps[m] ? g.kept[m] : NULL;
+    for (int m = 0; m < SCREE_MEMORY; m++) g.batch.kept[m] = batch->kept[m] ? g.kept[m] : NULL;
+    g.batch.slides = batch->slides ? g.slides : NULL;
     for (int c = 0; c < SCREE_PAIR_COLUMNS && !batch->uniform; c++) g.batch.pair[c] = g.pair[c];
     for (int done = segment->stirring_first; done < segment->stirring_end; done += SCREE_LANES) {
         const int *index = batch->stirring + done;
@@ -195,7 +197,8 @@ void scree_rest_act(const struct scree_contacts *contacts, struct scree_bodies *
         gather(batch, index, count, &g);
         contacts->loop->act_straight(contacts, bodies, &g.batch, 0, count, step, tally);
         for (int m = 0; m < SCREE_MEMORY; m++)
-            for (int k = 0; batch->keeps[m] && k < count; k++) batch->kept[m][index[k]] = g.kept[m][k];
+            for (int k = 0; batch->keeps[m] && k < count; k++)
+                scree_keep(batch, m, index[k], scree_kept(&g.batch, m, k));
     }
 }
 

@@ -214,10 +214,12 @@ static void keep_all(const struct scree_batch *batch, struct smooth_block *s, in
         })
     }
     if (!turns || !batch->kept[0]) return;
-    for (int m = 0; m < 4; m++) {
-        double *kept = batch->kept[m] + first, *now = m < 3 ? s->x.c.s[m] : s->x.c.slides;
-        SMOOTH_LOOP({ kept[k] = s->x.c.odd[k] > 0.0 ? kept[k] : now[k]; })
+    for (int axis = 0; axis < 3; axis++) {
+        double *kept = batch->kept[axis] + first;
+        SMOOTH_LOOP({ kept[k] = s->x.c.odd[k] > 0.0 ? kept[k] : s->x.c.s[axis][k]; })
     }
+    for (int k = 0; k < padded(count); k++)
+        if (!(s->x.c.odd[k] > 0.0)) batch->slides[first + k] = s->x.c.slides[k] > 0.0;
 }
 
 /* The same of one contact here or there, whose yield goes to another lane. */
@@ -236,9 +238,9 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
     }
     yield->depth[lane] = from->depth[i];
     yield->steep[lane] = from->steep[i];
-    for (int m = 0; turns && batch->kept[0] && m < 4; m++) {
-        batch->kept[m][index] = m < 3 ? s->x.c.s[m][i] : s->x.c.slides[i];
-    }
+    if (!turns || !batch->kept[0]) return;
+    for (int axis = 0; axis < 3; axis++) batch->kept[axis][index] = s->x.c.s[axis][i];
+    scree_keep(batch, SCREE_KEPT_STATE, index, s->x.c.slides[i]);
 }
 
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */

@@ -337,7 +337,6 @@ void scree_adaptive_keep(struct scree_scene *scene) {
         double kept[SCREE_MEMORY];
         if (!batch->memory) continue;
         scree_grip_keep(grip, &a->view[k], a->y + a->place[k], kept);
-        for (int m = 0; m < SCREE_MEMORY; m++)
-            if (batch->kept[m]) batch->kept[m][grip->index] = kept[m];
+        for (int m = 0; m < SCREE_MEMORY; m++) scree_keep(batch, m, grip->index, kept[m]);
     }
 }
