@@ -40,9 +40,9 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
 }
 
 static scree_status make_numbers(struct scree_contacts *contacts, size_t bodies) {
-    contacts->spare = malloc((bodies + 1) * sizeof *contacts->spare);
-    contacts->widest = malloc((bodies + 1) * sizeof *contacts->widest);
-    contacts->plane = malloc((bodies + 1) * sizeof *contacts->plane);
+    contacts->spare = scree_memory((bodies + 1) * sizeof *contacts->spare);
+    contacts->widest = scree_memory((bodies + 1) * sizeof *contacts->widest);
+    contacts->plane = scree_memory((bodies + 1) * sizeof *contacts->plane);
     return contacts->spare && contacts->widest && contacts->plane ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
@@ -90,8 +90,8 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         scree_memory_free(batch->stirring);
     }
     scree_contacts_free_scratch(contacts);
-    free(contacts->spare);
-    free(contacts->widest);
+    scree_memory_free(contacts->spare);
+    scree_memory_free(contacts->widest);
     free(contacts->rule);
     free(contacts->rule_of);
     free(contacts->batch);
@@ -100,7 +100,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     scree_memory_free(contacts->listed.memory);
     scree_memory_free(contacts->rough.memory);
     scree_memory_free(contacts->boxes.memory);
-    free(contacts->plane);
+    scree_memory_free(contacts->plane);
     scree_memory_free(contacts->rest.border);
     scree_memory_free(contacts->rest.on_border);
     free(contacts->returned);

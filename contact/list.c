@@ -343,8 +343,8 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = contacts->spare[k];
     double least = half / 80.0, most = fmax(half, spare) / 2.0, way = way_of(contacts, bodies, k);
-    double few = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
-    double margin = are_many(contacts, bodies) ? fmin(fmax(steps * way, least), most) : few;
+    double margin = fmin(fmax(steps * way, least), most);
+    if (!are_many(contacts, bodies)) margin = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
     margin = fmin(fmax(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
     contacts->spare[k] = spare - margin;
