@@ -37,13 +37,14 @@ static inline void note(double value, int ball_body, int host_body, double *larg
 
 static inline void collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
                            const struct scree_batch *batch, int block) {
-    const struct scree_contact *contact = batch->contact + batch->segment[0].first + block * SCREE_LANES;
+    int first = batch->segment[0].first + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
     if (batch->geometry == SCREE_EDGE_EDGE && yield->silent) return;
     for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
-        if (contacts->rest.asleep > 0 && scree_is_still(bodies, &contact[lane])) continue;
-        int ball = bodies->number[contact[lane].ball], host = bodies->number[contact[lane].host];
-        add_to_bodies(bodies, &contact[lane], yield, lane, scree_contact_turns(batch, &contact[lane]));
+        struct scree_contact contact = scree_contact_at(batch, first + lane);
+        if (contacts->rest.asleep > 0 && scree_is_still(bodies, &batch->ends[first + lane])) continue;
+        int ball = bodies->number[contact.ball], host = bodies->number[contact.host];
+        add_to_bodies(bodies, &contact, yield, lane, scree_contact_turns(batch, &contact));
         note(yield->depth[lane], ball, host, &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
         note(yield->steep[lane], ball, host, &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
     }

@@ -172,7 +172,7 @@ static inline void fetch_some(const struct ends *ends, int lane, struct block *b
 #endif
 
 /* Padding repeats the last contact. */
-static inline void find_ends(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+static inline void find_ends(const struct scree_bodies *bodies, const struct scree_ends *contact, int count,
                              struct ends *ends) {
     for (int k = 0; k < count; k++) {
         ends->ball[k] = &bodies->record[contact[k].ball];
@@ -207,6 +207,12 @@ static inline void meet_balls(int count, struct block *b) {
         b->lever[0][k] = roll.lever;
         b->lever[1][k] = roll.other;
     }
+}
+
+/* Contacts first … first + count - 1 of a batch; of two balls nobody asks for them. */
+static inline void name_contacts(const struct scree_batch *batch, int first, int count, struct scree_contact *contact) {
+    for (int k = 0; batch->geometry != SCREE_BALL_BALL && k < count; k++)
+        contact[k] = scree_contact_at(batch, first + k);
 }
 
 /* Partners that stand whole periods off. */
@@ -271,6 +277,7 @@ static inline void share_out(int count, double step, struct block *b) {
     }
 }
 
+/* `contact`: as name_contacts gives them. */
 static inline void gather(const struct scree_bodies *bodies, const struct scree_contact *contact,
                           const struct ends *ends, int count, enum scree_geometry geometry, struct block *b) {
     fetch(ends, count, b);
@@ -351,23 +358,27 @@ static inline int may_cross(const struct scree_bodies *bodies, const struct scre
 /* Contacts first … first + count - 1 of segment 0, a block of it. Returns 0 if nothing can touch; then nothing is gathered. */
 static inline int gather_crossings(const struct scree_bodies *bodies, const struct scree_batch *batch, int first,
                                    int count, double step, struct block *b, struct lean *lean) {
-    const struct scree_contact *contact = batch->contact + batch->segment[0].first;
-    int start = first - batch->segment[0].first, first_run = batch->first_run[start / SCREE_LANES];
+    struct scree_contact contact[SCREE_LANES];
+    int own_first = batch->segment[0].first, start = first - own_first,
+        first_run = batch->first_run[start / SCREE_LANES];
     int runs = 0, any = 0, may[SCREE_LANES];
     const struct scree_run *run = batch->run + first_run;
-    for (; first_run + runs < batch->runs && run[runs].start < start + count; runs++)
-        any |= may[runs] = may_cross(bodies, &contact[run[runs].start], &run[runs], step);
+    for (; first_run + runs < batch->runs && run[runs].start < start + count; runs++) {
+        struct scree_contact begins = scree_contact_at(batch, own_first + run[runs].start);
+        any |= may[runs] = may_cross(bodies, &begins, &run[runs], step);
+    }
     if (!any) return 0;
     struct ends ends;
-    find_ends(bodies, contact + start, count, &ends);
+    find_ends(bodies, batch->ends + first, count, &ends);
+    name_contacts(batch, first, count, contact);
     fetch(&ends, count, b);
     struct scree_two_boxes boxes = {.a = NULL};
     for (int lane = 0, own = 0; lane < padded(count); lane++) {
         int begins = lane == 0;
         if (own + 1 < runs && start + lane == run[own + 1].start) own += begins = 1;
         if (lane < count && may[own]) {
-            if (begins) boxes = scree_deep_boxes_of(bodies, &contact[start + lane]);
-            gather_crossing(bodies, &contact[start + lane], &boxes, SCREE_EDGE_EDGE, b, lane, lean);
+            if (begins) boxes = scree_deep_boxes_of(bodies, &contact[lane]);
+            gather_crossing(bodies, &contact[lane], &boxes, SCREE_EDGE_EDGE, b, lane, lean);
         } else
             gather_nothing(b, lane, lean);
     }

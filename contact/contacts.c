@@ -30,6 +30,7 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
                     (unsigned char)(m < SCREE_KEPT_NORMAL    ? law && law->memory
                                     : m < SCREE_KEPT_ROLLING ? scree_normal_laws[rules[rule].normal]->memory
                                                              : rolling && rolling->memory);
+            batch->corners = geometry == SCREE_BALL_IMAGE || geometry == SCREE_EDGE_EDGE;
             batch->turns = law || rolling || geometry == SCREE_BALL_BOX || geometry == SCREE_EDGE_EDGE;
             batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
             if (rolling) batch->slope += rolling->slope(&rules[rule].rolling_constants);
@@ -75,7 +76,8 @@ scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, 
 void scree_contacts_destroy(struct scree_contacts *contacts) {
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
-        scree_memory_free(batch->contact);
+        scree_memory_free(batch->ends);
+        scree_memory_free(batch->corner);
         scree_memory_free(batch->yield);
         free(batch->segment);
         scree_memory_free(batch->moments);

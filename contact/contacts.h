@@ -49,6 +49,11 @@ struct scree_contact {
     int ball, host, corner;
 };
 
+/* The same without its corner. */
+struct scree_ends {
+    int ball, host;
+};
+
 /* What a block of contacts yields. Impulses on the ball in N s, angular impulses on both bodies in N m s. */
 struct scree_yield {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
@@ -105,7 +110,9 @@ struct scree_batch {
     int uniform;                /* one set of pair constants serves all (one block of them is made) */
     struct scree_part *segment; /* SCREE_SEGMENTS of them */
     int count, capacity;        /* near contacts of all segments; places for them, gaps between segments included */
-    struct scree_contact *contact;
+    struct scree_ends *ends;
+    int corners; /* some contacts may have one; of other batches there is no column of them */
+    int *corner;
     double *pair[SCREE_PAIR_COLUMNS];
     int pair_capacity;
     unsigned char keeps
@@ -134,6 +141,15 @@ struct scree_batch {
     struct scree_contact *loose; /* of segment 0 */
     int *code;                   /* of the slabs */
 };
+
+static inline struct scree_contact scree_contact_at(const struct scree_batch *batch, int k) {
+    return (struct scree_contact){batch->ends[k].ball, batch->ends[k].host, batch->corner ? batch->corner[k] : 0};
+}
+
+static inline void scree_put_contact(const struct scree_batch *batch, int k, struct scree_contact contact) {
+    batch->ends[k] = (struct scree_ends){contact.ball, contact.host};
+    if (batch->corner) batch->corner[k] = contact.corner;
+}
 
 /* Goes through the outer list of a segment. */
 struct scree_outer {

@@ -68,7 +68,7 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->since[way] = -HUGE_VAL;
     grip->batch = batch_index;
     grip->index = index;
-    grip->contact = batch->contact[index];
+    grip->contact = scree_contact_at(batch, index);
     grip->geometry = batch->geometry;
     grip->rule = &contacts->rule[batch->rule];
     grip->normal = scree_normal_laws[grip->rule->normal];

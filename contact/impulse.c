@@ -332,7 +332,7 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
     if (rule->rolling < 0) return;
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
-    const struct scree_contact *contact = &place.batch->contact[place.index];
+    const struct scree_ends *contact = &place.batch->ends[place.index];
     struct scree_yield *yield = place.yield;
     struct scree_moments *moments = place.moments;
     double *const *own = law->memory ? place.batch->kept + SCREE_KEPT_ROLLING : NULL;
@@ -374,7 +374,7 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int idle(const struct scree_bodies *bodies, struct place place, double overlap) {
     const struct scree_batch *batch = place.batch;
-    const struct scree_contact *contact = &batch->contact[place.index];
+    const struct scree_ends *contact = &batch->ends[place.index];
     if (!(overlap + bodies->past[contact->ball].range + bodies->past[contact->host].range < 0.0)) return 0;
     for (int m = 0; m < SCREE_PAST; m++)
         if (batch->past[m][place.index] != 0.0) return 0;
@@ -405,7 +405,7 @@ struct outcome {
 static int reckon(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_bodies *bodies_now, struct place place, double step, struct outcome *o) {
     const struct scree_batch *batch = place.batch;
-    const struct scree_contact *contact = &batch->contact[place.index];
+    struct scree_contact named = scree_contact_at(batch, place.index), *contact = &named;
     struct view now = o->now = view_of(bodies_now, contact, batch->geometry, &place.pair[0]);
     if (idle(bodies, place, now.overlap)) return 0;
     struct view middle = view_of(bodies, contact, batch->geometry, &place.pair[1]);
@@ -452,7 +452,7 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
 static void impel(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                   const struct scree_bodies *bodies_now, struct place place, double step) {
     const struct scree_batch *batch = place.batch;
-    const struct scree_contact *contact = &batch->contact[place.index];
+    const struct scree_ends *contact = &batch->ends[place.index];
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct outcome o;
     int acts = reckon(contacts, bodies, bodies_now, place, step, &o);
@@ -511,7 +511,7 @@ static void impel_block(const struct scree_contacts *contacts, const struct scre
 static void add_turn_moments(struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
                              int hosts, const struct scree_moments *moments) {
     for (int lane = 0; batch->any_turns && lane < count; lane++) {
-        const struct scree_contact *contact = &batch->contact[first + lane];
+        struct scree_contact own = scree_contact_at(batch, first + lane), *contact = &own;
         struct scree_past *ball = &bodies->past[contact->ball], *host = &bodies->past[contact->host];
         int turns = scree_contact_turns(batch, contact);
         int ball_turns = turns && bodies->class[contact->ball] == SCREE_CLASS_GENERAL;
@@ -525,13 +525,14 @@ static void add_turn_moments(struct scree_bodies *bodies, const struct scree_bat
 static void clear_turns(const struct scree_batch *batch, int first, int count, struct scree_yield *yield) {
     struct vec zero = {0.0, 0.0, 0.0};
     for (int lane = 0; batch->any_turns && !batch->turns && lane < count; lane++) {
-        if (scree_contact_turns(batch, &batch->contact[first + lane])) continue;
+        struct scree_contact own = scree_contact_at(batch, first + lane);
+        if (scree_contact_turns(batch, &own)) continue;
         put(yield->turn_ball, lane, zero);
         put(yield->turn_host, lane, zero);
     }
 }
 
-static void tally_up(const struct scree_contact *contact, const struct scree_yield *yield, int lane,
+static void tally_up(const struct scree_ends *contact, const struct scree_yield *yield, int lane,
                      struct scree_tally *tally) {
     if (!(yield->depth[lane] <= tally->deepest)) {
         tally->deepest = yield->depth[lane];
@@ -551,7 +552,7 @@ struct stride {
 };
 
 /* What a block reads of its partners, before it is due; balls come in rows anyway. */
-static void foresee(const struct scree_bodies *now, const struct scree_contact *contact, int left) {
+static void foresee(const struct scree_bodies *now, const struct scree_ends *contact, int left) {
     for (int k = 0; k < left && k < SCREE_LANES; k++) {
         const char *record = (const char *)&now->record[contact[k].host],
                    *push = (const char *)&now->push[contact[k].host];
@@ -570,12 +571,12 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
     for (int done = 0; done < segment->count; done += SCREE_LANES) {
         int left = segment->count - done, first = segment->first + done,
             count = left < SCREE_LANES ? left : SCREE_LANES;
-        foresee(stride->now, &batch->contact[first + count], left - count);
+        foresee(stride->now, &batch->ends[first + count], left - count);
         impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
         clear_turns(batch, first, count, &yield);
-        contacts->loop->add_up(bodies, &batch->contact[first], count, batch->any_turns, hosts, &yield, &moments);
+        contacts->loop->add_up(bodies, &batch->ends[first], count, batch->any_turns, hosts, &yield, &moments);
         add_turn_moments(bodies, batch, first, count, hosts, &moments);
-        for (int lane = 0; lane < count; lane++) tally_up(&batch->contact[first + lane], &yield, lane, tally);
+        for (int lane = 0; lane < count; lane++) tally_up(&batch->ends[first + lane], &yield, lane, tally);
         tally->lost_normal += yield.lost_normal;
         tally->work_tangential += yield.work_tangential;
     }
@@ -596,8 +597,8 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
         const struct scree_moments *moments = &batch->moments[block];
         for (int lane = 0; lane < count; lane++)
             for (int k = 0; k < 3; k++) {
-                bodies->push[batch->contact[first + lane].ball].moment[k] += moments->impulse[k][lane];
-                bodies->push[batch->contact[first + lane].host].moment[k] -= moments->impulse[k][lane];
+                bodies->push[batch->ends[first + lane].ball].moment[k] += moments->impulse[k][lane];
+                bodies->push[batch->ends[first + lane].host].moment[k] -= moments->impulse[k][lane];
             }
         add_turn_moments(bodies, batch, first, count, 1, moments);
     }

@@ -110,6 +110,7 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
     if (pass == FILL && s == 0) batch->loose[segment->outer_count] = *contact;
     if (s > 0) encode(batch, segment, contact, pass);
     if (!batch->any_turns && scree_contact_turns(batch, contact)) batch->any_turns = 1;
+    if (contact->corner != 0) batch->corners = 1; /* of segment 0: in the pass that is nobody else's */
     segment->outer_count++;
 }
 
@@ -431,7 +432,8 @@ scree_status scree_pair_constants(const struct scree_contacts *contacts, const s
         int filled = segment->count ? segment->count + SCREE_PADDING - 1 : 0;
         for (int k = 0; k < filled && segment->first + k < batch->capacity; k++) {
             int index = segment->first + k; /* the padding gets what the last contact has */
-            if (k < segment->count) pair = constants_of(contacts, bodies, batch, &batch->contact[index]);
+            struct scree_contact contact = scree_contact_at(batch, k < segment->count ? index : segment->first);
+            if (k < segment->count) pair = constants_of(contacts, bodies, batch, &contact);
             for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) batch->pair[c][index] = pair.c[c];
         }
     }

@@ -391,9 +391,11 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
         return;
     }
     struct ends ends;
-    find_ends(bodies, batch->contact + first, count, &ends);
-    gather(bodies, batch->contact + first, &ends, count, batch->geometry, &b);
-    int deep = batch->geometry == SCREE_BALL_BOX && deepen_corners(bodies, batch->contact + first, count, &b, &lean);
+    struct scree_contact contact[SCREE_LANES];
+    name_contacts(batch, first, count, contact);
+    find_ends(bodies, batch->ends + first, count, &ends);
+    gather(bodies, contact, &ends, count, batch->geometry, &b);
+    int deep = batch->geometry == SCREE_BALL_BOX && deepen_corners(bodies, contact, count, &b, &lean);
     press_gathered(contacts, batch, first, count, step, &b);
     finish(contacts, batch, &b, count, step, yield);
     if (deep) act_leaning(&b, &lean, count, step, yield);
@@ -523,8 +525,7 @@ static void push(const struct ends *ends, const struct block *b, int count, cons
 }
 
 /* The deepest overlap; a block without one that can be deeper than those before is done with quickly. */
-static void note_depths(const struct block *b, const struct scree_contact *contact, int count,
-                        struct scree_tally *tally) {
+static void note_depths(const struct block *b, const struct scree_ends *own, int count, struct scree_tally *tally) {
     double most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
     int deeper = 0;
     _Pragma("omp simd reduction(| : deeper)")
@@ -533,20 +534,20 @@ static void note_depths(const struct block *b, const struct scree_contact *conta
         double depth = b->overlap[k] / limit_of(b, k);
         if (depth <= tally->deepest) continue;
         tally->deepest = depth;
-        tally->deepest_ball = contact[k].ball;
-        tally->deepest_host = contact[k].host;
+        tally->deepest_ball = own[k].ball;
+        tally->deepest_host = own[k].host;
     }
 }
 
 /* The steepest friction, of laws that have a slope. */
-static void note_slopes(const struct block *b, const struct scree_contact *contact, int count, double slope,
-                        double step, struct scree_tally *tally) {
+static void note_slopes(const struct block *b, const struct scree_ends *own, int count, double slope, double step,
+                        struct scree_tally *tally) {
     for (int k = 0; k < count; k++) {
         double steep = step * slope * b->force[k] * (4.0 * b->rush[3][k]);
         if (steep <= tally->steepest) continue;
         tally->steepest = steep;
-        tally->steepest_ball = contact[k].ball;
-        tally->steepest_host = contact[k].host;
+        tally->steepest_ball = own[k].ball;
+        tally->steepest_host = own[k].host;
     }
 }
 
@@ -567,7 +568,7 @@ static SCREE_INLINE void call_ahead(const struct scree_batch *batch, int first, 
         call(next->host[k], 0, sizeof *next->host[k]);
         call(next->ball[k], 0, sizeof *next->ball[k]);
     }
-    call(batch->contact, later * sizeof *batch->contact, QUARTER * sizeof *batch->contact);
+    call(batch->ends, later * sizeof *batch->ends, QUARTER * sizeof *batch->ends);
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->kept[m]) call(batch->kept[m], later * sizeof(double), QUARTER * sizeof(double));
     if (batch->slides && quarter == 0) call(batch->slides, later, 1);
@@ -579,24 +580,26 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     struct block b;
     struct ends ends[2];
     const struct scree_rule *rule = &contacts->rule[batch->rule];
-    const struct scree_contact *contact = batch->contact + first;
+    const struct scree_ends *own = batch->ends + first;
+    struct scree_contact contact[SCREE_LANES];
     int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
     int deeds = deeds_of(batch, rule), turn = 0;
-    find_ends(bodies, contact, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
-    for (int done = 0; done < count; done += SCREE_LANES, contact += SCREE_LANES, turn = !turn) {
+    find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
+    for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
         int left = count - done - here < SCREE_LANES ? count - done - here : SCREE_LANES;
         const struct ends *next = &ends[!turn];
-        if (left) find_ends(bodies, contact + here, left, &ends[!turn]);
+        if (left) find_ends(bodies, own + here, left, &ends[!turn]);
         call_ahead(batch, first + done, next, left, 0);
+        name_contacts(batch, first + done, here, contact);
         gather(bodies, contact, &ends[turn], here, batch->geometry, &b);
         call_ahead(batch, first + done, next, left, 1);
         press_gathered(contacts, batch, first + done, here, step, &b);
         call_ahead(batch, first + done, next, left, 2);
         push(&ends[turn], &b, here, batch, deeds, step);
         call_ahead(batch, first + done, next, left, 3);
-        note_depths(&b, contact, here, tally);
-        if (batch->slope != 0.0) note_slopes(&b, contact, here, batch->slope, step, tally);
+        note_depths(&b, own, here, tally);
+        if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) {
             struct losses losses = measure_losses(&b, here, step, friction, rolls, snaps);
             tally->lost_normal += losses.normal;

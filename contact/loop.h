@@ -20,7 +20,7 @@ struct scree_loop {
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
                       struct scree_moments *moments);
     /* Impulses of a block of them and their first moments into the bodies. */
-    void (*add_up)(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns, int hosts,
+    void (*add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                    struct scree_yield *yield, struct scree_moments *moments);
 };
 
@@ -40,8 +40,8 @@ const struct scree_loop *scree_choose_loop_for_few(void);
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments);
-void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
-                        int hosts, struct scree_yield *yield, struct scree_moments *moments);
+void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
+                        struct scree_yield *yield, struct scree_moments *moments);
 #endif
 
 #endif

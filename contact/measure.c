@@ -71,7 +71,7 @@ static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,
                            int index, struct scree_touch *touch) {
     const struct scree_batch *batch = &contacts->batch[batch_index];
-    const struct scree_contact *contact = &batch->contact[index];
+    struct scree_contact own = scree_contact_at(batch, index), *contact = &own;
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_record *ball = &bodies->record[contact->ball];
     struct scree_meeting m;
@@ -121,8 +121,9 @@ struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const st
     struct scree_touch touch;
     if (!scree_contacts_measure(contacts, bodies, batch_index, index, &touch)) return kick;
     struct vec arm = vec_sub(touch.point, vec_from(bodies->record[touch.ball].x));
-    struct vec host_arm = vec_add(arm, scree_apart(bodies, &batch->contact[index], batch->geometry));
-    int turns = scree_contact_turns(batch, &batch->contact[index]);
+    struct scree_contact own = scree_contact_at(batch, index);
+    struct vec host_arm = vec_add(arm, scree_apart(bodies, &own, batch->geometry));
+    int turns = scree_contact_turns(batch, &own);
     kick.ball = touch.ball;
     kick.host = touch.host;
     kick.overlap = touch.overlap;

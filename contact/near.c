@@ -61,8 +61,12 @@ static int columns_of(const struct scree_batch *batch, struct column column[MOST
 
 static scree_status enlarge_batch(struct scree_batch *batch, int capacity, scree_trouble *trouble) {
     int before = batch->capacity, ok = 1;
-    if (capacity <= before) return SCREE_OK;
-    ok &= scree_enlarge(&batch->contact, before, capacity, sizeof *batch->contact);
+    int cornered = batch->corners && !batch->corner;
+    if (capacity < before) capacity = before;
+    if (cornered && capacity) ok &= scree_enlarge(&batch->corner, 0, capacity, sizeof *batch->corner);
+    if (ok && capacity == before) return SCREE_OK;
+    if (batch->corner && !cornered) ok &= scree_enlarge(&batch->corner, before, capacity, sizeof *batch->corner);
+    ok &= scree_enlarge(&batch->ends, before, capacity, sizeof *batch->ends);
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->keeps[m] && m != SCREE_KEPT_STATE)
             ok &= scree_enlarge(&batch->kept[m], before, capacity, sizeof(double));
@@ -86,12 +90,24 @@ static scree_status enlarge_yield(struct scree_batch *batch, scree_trouble *trou
     return SCREE_OK;
 }
 
+/* Those that name its contacts. */
+static int names_of(const struct scree_batch *batch, struct column column[2]) {
+    column[0] = (struct column){(unsigned char *)batch->ends, sizeof *batch->ends};
+    if (batch->corner) column[1] = (struct column){(unsigned char *)batch->corner, sizeof *batch->corner};
+    return batch->corner ? 2 : 1;
+}
+
+/* All of them. */
+enum { ALL_COLUMNS = MOST_COLUMNS + 2 };
+static int all_columns_of(const struct scree_batch *batch, struct column column[ALL_COLUMNS]) {
+    int count = columns_of(batch, column);
+    return count + names_of(batch, column + count);
+}
+
 /* Move a segment's contacts and columns. */
 static void shift(struct scree_batch *batch, struct scree_part *segment, int to) {
-    struct column column[MOST_COLUMNS];
-    int columns = columns_of(batch, column), count = segment->count;
-    if (to != segment->first && count)
-        memmove(batch->contact + to, batch->contact + segment->first, (size_t)count * sizeof *batch->contact);
+    struct column column[ALL_COLUMNS];
+    int columns = all_columns_of(batch, column), count = segment->count;
     for (int c = 0; c < columns && to != segment->first && count; c++)
         memmove(place_in(column[c], to), place_in(column[c], segment->first), (size_t)count * column[c].size);
     segment->first = to;
@@ -224,12 +240,16 @@ static void look_over(const struct scree_contacts *contacts, const struct scree_
     }
 }
 
+static int compare_with(const struct scree_batch *batch, int k, const struct scree_contact *other, int segment) {
+    struct scree_contact own = scree_contact_at(batch, k);
+    return scree_compare_contacts(&own, other, segment);
+}
+
 /* The new list of a segment into the scratch: what is near enough, and what keeps something. Returns its length. */
 static int pick(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
     if (segment->outer_count == 0) return 0;
-    const struct scree_contact *old = segment->count ? batch->contact + segment->first : NULL;
     int count = 0, before = 0;
     struct sight sight;
     struct view view;
@@ -242,8 +262,9 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
         if (lane == 0) look_over(contacts, bodies, batch, &sight, &view);
         const struct scree_contact one = view.contact[lane];
         int near = view.near[lane];
-        while (before < segment->count && scree_compare_contacts(&old[before], &one, s) < 0) before++;
-        int same = before < segment->count && scree_compare_contacts(&old[before], &one, s) == 0;
+        int order = -1;
+        while (before < segment->count && (order = compare_with(batch, segment->first + before, &one, s)) < 0) before++;
+        int same = before < segment->count && order == 0;
         if (same && !near) near = keeps_something(batch, segment->first + before);
         scratch->contact[count] = one; /* counts if it is near */
         scratch->from[count] = same ? before : -1;
@@ -284,7 +305,7 @@ static int renew(const struct scree_contacts *contacts, const struct scree_bodie
     int count = pick(contacts, bodies, batch, s, scratch);
     if (padded(count) > segment->capacity) return count;
     move_columns(batch, segment, count, scratch->from);
-    if (count) memcpy(batch->contact + segment->first, scratch->contact, (size_t)count * sizeof *scratch->contact);
+    for (int k = 0; k < count; k++) scree_put_contact(batch, segment->first + k, scratch->contact[k]);
     segment->count = count;
     return 0;
 }
@@ -325,6 +346,8 @@ void scree_contacts_free_scratch(struct scree_contacts *contacts) {
 static scree_status renew_batch(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                 struct scree_batch *batch, int segments, int threads, scree_trouble *trouble) {
     int lacking[SCREE_SEGMENTS] = {0}, capacity[SCREE_SEGMENTS], lack = 0;
+    scree_status status = enlarge_batch(batch, 0, trouble); /* with corners, if these are new */
+    if (status) return status;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int t = 0; t < threads; t++)
         for (int s = t; s < segments; s += threads)
@@ -336,7 +359,7 @@ static scree_status renew_batch(struct scree_contacts *contacts, const struct sc
         lack |= lacking[s];
     }
     if (lack) {
-        scree_status status = lay_out(batch, segments, capacity, trouble);
+        status = lay_out(batch, segments, capacity, trouble);
         if (status) return status;
         for (int s = 0; s < segments; s++)
             if (lacking[s]) renew(contacts, bodies, batch, s, &contacts->scratch[0]);
@@ -350,7 +373,7 @@ static scree_status renew_batch(struct scree_contacts *contacts, const struct sc
 
 static struct scree_run run_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                const struct scree_batch *batch, int start) {
-    const struct scree_contact *contact = &batch->contact[batch->segment[0].first + start];
+    const struct scree_ends *contact = &batch->ends[batch->segment[0].first + start];
     int holds_on = scree_normal_laws[contacts->rule[batch->rule].normal]->reach != NULL; /* beyond touch */
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
     double clear = scree_cores_apart(&boxes) - boxes.rounding_a - boxes.rounding_b;
@@ -362,7 +385,7 @@ static struct scree_run run_of(const struct scree_contacts *contacts, const stru
 static scree_status find_runs(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               struct scree_batch *batch, scree_trouble *trouble) {
     int count = batch->segment[0].count, before = batch->run_capacity, ok = 1;
-    const struct scree_contact *contact = count ? batch->contact + batch->segment[0].first : NULL;
+    const struct scree_ends *contact = count ? batch->ends + batch->segment[0].first : NULL;
     if (count > before) {
         int after = count + count / 2;
         ok &= scree_enlarge(&batch->run, before, after, sizeof *batch->run);
@@ -410,11 +433,12 @@ scree_status scree_contacts_remember(struct scree_batch *batch, const struct scr
     struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
     int place = batch->count;
     scree_status status = SCREE_OK;
-    if (place == batch->capacity) status = enlarge_batch(batch, padded(place + place / 2 + SCREE_LANES), trouble);
+    batch->corners |= contact->corner != 0;
+    status = enlarge_batch(batch, place == batch->capacity ? padded(place + place / 2 + SCREE_LANES) : 0, trouble);
     if (status) return status;
     if (segment->count == 0) segment->first = place;
     segment->capacity = ++segment->count;
-    batch->contact[place] = *contact;
+    scree_put_contact(batch, place, *contact);
     for (int m = 0; m < SCREE_MEMORY; m++) scree_keep(batch, m, place, kept[m]);
     for (int m = 0; batch->impulses && m < SCREE_PAST; m++) batch->past[m][place] = past[m];
     batch->count++;
@@ -425,16 +449,16 @@ scree_status scree_contacts_remember(struct scree_batch *batch, const struct scr
 static void rename_bodies(struct scree_batch *batch, const int *as) {
     for (int s = 0; s < SCREE_SEGMENTS; s++)
         for (int k = batch->segment[s].first; k < batch->segment[s].first + batch->segment[s].count; k++) {
-            batch->contact[k].ball = as[batch->contact[k].ball];
-            batch->contact[k].host = as[batch->contact[k].host];
+            batch->ends[k].ball = as[batch->ends[k].ball];
+            batch->ends[k].host = as[batch->ends[k].host];
         }
 }
 
 static int in_order(const struct scree_bodies *bodies, const struct scree_batch *batch, int a, int b) {
-    int one = scree_segment_of(bodies, batch, &batch->contact[a]);
-    int other = scree_segment_of(bodies, batch, &batch->contact[b]);
+    struct scree_contact first = scree_contact_at(batch, a), second = scree_contact_at(batch, b);
+    int one = scree_segment_of(bodies, batch, &first), other = scree_segment_of(bodies, batch, &second);
     if (one != other) return one < other;
-    return scree_compare_contacts(&batch->contact[a], &batch->contact[b], one) < 0;
+    return scree_compare_contacts(&first, &second, one) < 0;
 }
 
 /* Heap sort of indices. */
@@ -472,14 +496,14 @@ static int close_up(struct scree_batch *batch) {
 
 /* Put the first `used` contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the other. */
 static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int used, int *index) {
-    struct column column[MOST_COLUMNS];
-    int columns = columns_of(batch, column);
+    struct column column[ALL_COLUMNS];
+    int columns = all_columns_of(batch, column);
     sort_indices(bodies, batch, index, used);
     for (int c = 0; c < columns; c++) scree_permute(column[c].at, column[c].size, index, used);
-    scree_permute(batch->contact, sizeof *batch->contact, index, used);
     memset(batch->segment, 0, SCREE_SEGMENTS * sizeof *batch->segment);
     for (int k = 0; k < used; k++) {
-        struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, &batch->contact[k])];
+        struct scree_contact contact = scree_contact_at(batch, k);
+        struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, &contact)];
         if (segment->count == 0) segment->first = k;
         segment->capacity = ++segment->count;
     }
@@ -540,7 +564,8 @@ static int code_after(const struct scree_contacts *contacts, const struct scree_
 static int count_moving(const struct scree_contacts *contacts, const struct scree_batch *batch, int used) {
     int count = 0;
     for (int k = 0; k < used; k++) {
-        int code = code_after(contacts, &batch->contact[k]);
+        struct scree_contact contact = scree_contact_at(batch, k);
+        int code = code_after(contacts, &contact);
         count += (code == 0) != (batch->geometry == SCREE_BALL_BALL);
     }
     return count;
@@ -552,7 +577,7 @@ static int take_out(const struct scree_contacts *contacts, struct scree_batch *b
     struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column), stay = 0;
     for (int k = 0; k < used; k++) {
-        struct scree_contact contact = batch->contact[k];
+        struct scree_contact contact = scree_contact_at(batch, k);
         contact.corner = code_after(contacts, &contact);
         if ((contact.corner == 0) != (batch->geometry == SCREE_BALL_BALL)) {
             moving->contact = contact;
@@ -560,7 +585,7 @@ static int take_out(const struct scree_contacts *contacts, struct scree_batch *b
             moving++;
             continue;
         }
-        batch->contact[stay] = contact;
+        scree_put_contact(batch, stay, contact);
         for (int c = 0; c < columns; c++) memmove(place_in(column[c], stay), place_in(column[c], k), column[c].size);
         stay++;
     }
@@ -571,7 +596,7 @@ static void put_in(struct scree_batch *batch, int at, const struct scree_moving 
     struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column);
     for (int k = 0; k < count; k++) {
-        batch->contact[at + k] = moving[k].contact;
+        scree_put_contact(batch, at + k, moving[k].contact);
         for (int c = 0; c < columns; c++) memcpy(place_in(column[c], at + k), &moving[k].kept[c], column[c].size);
     }
 }

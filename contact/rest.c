@@ -51,7 +51,7 @@ static void find_border(struct scree_contacts *contacts, const struct scree_bodi
     for (int n = 0; n < contacts->busy_batches; n++) {
         const struct scree_batch *batch = &contacts->batch[contacts->busy[n]];
         for (int s = 0; s < SCREE_SEGMENTS; s++) {
-            const struct scree_contact *contact = batch->contact + batch->segment[s].first;
+            const struct scree_ends *contact = batch->ends + batch->segment[s].first;
             for (int k = 0; k < batch->segment[s].count; k++) {
                 if (stirs(bodies, contact[k].ball)) put_on_border(rest, bodies, contact[k].host);
                 if (stirs(bodies, contact[k].host)) put_on_border(rest, bodies, contact[k].ball);
@@ -70,7 +70,7 @@ static void add_load(struct scree_rest *rest, int body, double sign, struct vec 
 /* What a still contact presses. */
 static void load_border(struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch, int index,
                         double step) {
-    const struct scree_contact *contact = &contacts->batch[batch].contact[index];
+    const struct scree_ends *contact = &contacts->batch[batch].ends[index];
     if (!contacts->rest.on_border[contact->ball] && !contacts->rest.on_border[contact->host]) return;
     struct scree_kick kick = scree_kick_now(contacts, bodies, batch, index, step);
     if (kick.ball < 0) return;
@@ -107,10 +107,10 @@ static scree_status mark_blocks(struct scree_batch *batch, const struct scree_bo
     }
     if (blocks) memset(batch->works, 0, (size_t)blocks);
     for (int k = 0; k < loose->count; k++)
-        batch->works[k / SCREE_LANES] |= (unsigned char)!scree_is_still(bodies, &batch->contact[loose->first + k]);
+        batch->works[k / SCREE_LANES] |= (unsigned char)!scree_is_still(bodies, &batch->ends[loose->first + k]);
     batch->held = 0;
     for (int k = loose->first; k < loose->first + loose->count && !status; k++)
-        if (batch->works[(k - loose->first) / SCREE_LANES] && scree_is_still(bodies, &batch->contact[k]))
+        if (batch->works[(k - loose->first) / SCREE_LANES] && scree_is_still(bodies, &batch->ends[k]))
             status = keep_still(batch, k, trouble);
     return status;
 }
@@ -126,7 +126,7 @@ static scree_status mark_slabs(struct scree_batch *batch, const struct scree_bod
         struct scree_part *segment = &batch->segment[s];
         segment->stirring_first = used;
         for (int k = segment->first; k < segment->first + segment->count; k++)
-            if (!scree_is_still(bodies, &batch->contact[k])) batch->stirring[used++] = k;
+            if (!scree_is_still(bodies, &batch->ends[k])) batch->stirring[used++] = k;
         segment->stirring_end = used;
     }
     return SCREE_OK;
@@ -139,7 +139,7 @@ static scree_status mark(struct scree_contacts *contacts, const struct scree_bod
     if (!status) status = mark_slabs(batch, bodies, trouble);
     for (int s = 0; s < SCREE_SEGMENTS && !status; s++)
         for (int k = batch->segment[s].first; k < batch->segment[s].first + batch->segment[s].count; k++)
-            if (scree_is_still(bodies, &batch->contact[k])) load_border(contacts, bodies, index, k, step);
+            if (scree_is_still(bodies, &batch->ends[k])) load_border(contacts, bodies, index, k, step);
     return status;
 }
 
@@ -169,14 +169,15 @@ void scree_rest_give_back(const struct scree_batch *batch) {
 /* A block of contacts that lie scattered in a batch, as a batch of its own. */
 struct gathered {
     struct scree_batch batch;
-    struct scree_contact contact[SCREE_LANES];
+    struct scree_ends ends[SCREE_LANES];
+    int corner[SCREE_LANES];
     double kept[SCREE_MEMORY][SCREE_LANES], pair[SCREE_PAIR_COLUMNS][SCREE_LANES];
     unsigned char slides[SCREE_LANES];
 };
 
 static void gather(const struct scree_batch *batch, const int *index, int count, struct gathered *g) {
     int padded = (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING;
-    for (int k = 0; k < count; k++) g->contact[k] = batch->contact[index[k]];
+    for (int k = 0; k < count; k++) scree_put_contact(&g->batch, k, scree_contact_at(batch, index[k]));
     for (int m = 0; m < SCREE_MEMORY; m++)
         for (int k = 0; batch->keeps[m] && k < padded; k++)
             scree_keep(&g->batch, m, k, k < count ? scree_kept(batch, m, index[k]) : 0.0);
@@ -187,7 +188,8 @@ static void gather(const struct scree_batch *batch, const int *index, int count,
 void scree_rest_act(const struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
                     const struct scree_part *segment, double step, struct scree_tally *tally) {
     struct gathered g = {.batch = *batch};
-    g.batch.contact = g.contact;
+    g.batch.ends = g.ends;
+    g.batch.corner = batch->corner ? g.corner : NULL;
     for (int m = 0; m < SCREE_MEMORY; m++) g.batch.kept[m] = batch->kept[m] ? g.kept[m] : NULL;
     g.batch.slides = batch->slides ? g.slides : NULL;
     for (int c = 0; c < SCREE_PAIR_COLUMNS && !batch->uniform; c++) g.batch.pair[c] = g.pair[c];

@@ -12,7 +12,7 @@
 
 #include "contact/contacts.h"
 
-static inline int scree_is_still(const struct scree_bodies *bodies, const struct scree_contact *contact) {
+static inline int scree_is_still(const struct scree_bodies *bodies, const struct scree_ends *contact) {
     int ball = bodies->class[contact->ball], host = bodies->class[contact->host];
     return (ball == SCREE_CLASS_FIXED || ball == SCREE_CLASS_ASLEEP) &&
            (host == SCREE_CLASS_FIXED || host == SCREE_CLASS_ASLEEP);

@@ -130,11 +130,16 @@ static void begin_course(struct course *c) {
     memset(c->press, 0, offsetof(struct course, odd) - offsetof(struct course, press));
 }
 
-static void gather_smooth(const struct scree_bodies *now, const struct scree_batch *batch,
-                          const struct scree_contact *contact, int first, const int *index, int count, int turns,
-                          struct smooth_block *s) {
+static void gather_smooth(const struct scree_bodies *now, const struct scree_batch *batch, int first, const int *index,
+                          int count, int turns, struct smooth_block *s) {
+    struct scree_contact contact[SCREE_LANES];
+    struct scree_ends own[SCREE_LANES];
     struct ends ends;
-    find_ends(now, contact, count, &ends);
+    for (int k = 0; k < count; k++) {
+        contact[k] = scree_contact_at(batch, index ? index[k] : first + k);
+        own[k] = (struct scree_ends){contact[k].ball, contact[k].host};
+    }
+    find_ends(now, own, count, &ends);
     gather(now, contact, &ends, count, batch->geometry, &s->b);
     for (int lane = 0; lane < padded(count); lane += 4) {
         const struct scree_contact *four[4];
@@ -244,10 +249,10 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
 }
 
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
-static int far_apart(const struct scree_bodies *now, const struct scree_batch *batch,
-                     const struct scree_contact *contact, int index) {
+static int far_apart(const struct scree_bodies *now, const struct scree_batch *batch, int index) {
     for (int m = 0; m < SCREE_PAST; m++)
         if (batch->past[m][index] != 0.0) return 0;
+    struct scree_contact own = scree_contact_at(batch, index), *contact = &own;
     const struct scree_record *ball = &now->record[contact->ball], *host = &now->record[contact->host];
     double range = now->push[contact->ball].along[3] + now->push[contact->host].along[3];
     if (batch->geometry == SCREE_BALL_PLANE) {
@@ -272,7 +277,7 @@ static void hand_nothing(struct scree_yield *yield, struct scree_moments *moment
 }
 
 /* Both bodies are balls, or one is frozen. */
-static int is_plain(const struct scree_bodies *bodies, const struct scree_contact *contact) {
+static int is_plain(const struct scree_bodies *bodies, const struct scree_ends *contact) {
     enum scree_body_class ball = bodies->class[contact->ball], host = bodies->class[contact->host];
     return (ball == SCREE_CLASS_BALL && host != SCREE_CLASS_GENERAL) ||
            (ball == SCREE_CLASS_FIXED && host == SCREE_CLASS_BALL);
@@ -280,12 +285,12 @@ static int is_plain(const struct scree_bodies *bodies, const struct scree_contac
 
 /* From gathered lanes to their yield. */
 static void run_smooth(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                       const struct scree_batch *batch, const struct smooth_pass *pass,
-                       const struct scree_contact *contact, int first, const int *index, int count, double step,
-                       struct smooth_block *s, struct scree_yield *yield, struct scree_moments *moments) {
+                       const struct scree_batch *batch, const struct smooth_pass *pass, int first, const int *index,
+                       int count, double step, struct smooth_block *s, struct scree_yield *yield,
+                       struct scree_moments *moments) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     int balls = batch->geometry != SCREE_BALL_PLANE, turns = rule->friction >= 0, touching = 0;
-    gather_smooth(now, batch, contact, first, index, count, turns, s);
+    gather_smooth(now, batch, first, index, count, turns, s);
     meet_smooth(s, count, step, balls, turns);
     pass->loops->rates(rule, batch->slope, step, pass->substeps, count, &s->x.c, &s->x.m);
     drive_smooth(s, count, step, turns);
@@ -304,11 +309,10 @@ static uint32_t impel_few(const struct scree_contacts *contacts, const struct sc
     struct smooth_block s;
     struct scree_yield few;
     struct scree_moments few_moments;
-    struct scree_contact contact[SCREE_LANES];
     int index[SCREE_LANES], turns = contacts->rule[batch->rule].friction >= 0;
     uint32_t odd = 0;
-    for (int i = 0; i < count; i++) contact[i] = batch->contact[index[i] = first + lane[i]];
-    run_smooth(contacts, now, batch, pass, contact, first, index, count, step, &s, &few, &few_moments);
+    for (int i = 0; i < count; i++) index[i] = first + lane[i];
+    run_smooth(contacts, now, batch, pass, first, index, count, step, &s, &few, &few_moments);
     for (int i = 0; i < count; i++)
         if (s.x.c.odd[i] > 0.0)
             odd |= (uint32_t)1 << lane[i];
@@ -327,10 +331,9 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
     uint32_t odd = 0;
     if (!pass.loops || rule->rolling >= 0 || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
     for (int k = 0; k < count; k++) {
-        const struct scree_contact *one = &batch->contact[first + k];
-        if (!is_plain(now, one))
+        if (!is_plain(now, &batch->ends[first + k]))
             odd |= (uint32_t)1 << k;
-        else if (!far_apart(now, batch, one, first + k))
+        else if (!far_apart(now, batch, first + k))
             lane[acting++] = k;
     }
     if (2 * acting < count || odd) {
@@ -339,7 +342,7 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
         return odd;
     }
     struct smooth_block s;
-    run_smooth(contacts, now, batch, &pass, batch->contact + first, first, NULL, count, step, &s, yield, moments);
+    run_smooth(contacts, now, batch, &pass, first, NULL, count, step, &s, yield, moments);
     keep_all(batch, &s, first, count, rule->friction >= 0, yield);
     for (int k = 0; k < count; k++) odd |= (uint32_t)(s.x.c.odd[k] > 0.0) << k;
     return odd;
@@ -355,8 +358,8 @@ static inline void load_rows(double (*column)[SCREE_LANES], int lane, scree_row 
 #endif
 
 /* Impulses of a block and their moments into the bodies, whose attitudes don't turn by them. */
-void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_contact *contact, int count, int turns,
-                        int hosts, struct scree_yield *yield, struct scree_moments *moments) {
+void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
+                        struct scree_yield *yield, struct scree_moments *moments) {
 #ifdef __AVX__
     for (int lane = 0; lane < count; lane += 4) {
         scree_row impulse[4], moment[4], turn_ball[4], turn_host[4];

@@ -175,18 +175,18 @@ static void note_depths(struct scree_scene *scene) {
     }
 }
 
-/* The first of the contacts of two boxes edge on edge that touches, if corners don't bear it; NULL: none. */
-static const struct scree_contact *touching_edges(const struct scree_bodies *bodies, const struct scree_batch *batch,
-                                                  int run) {
-    const struct scree_contact *contact = batch->contact + batch->segment[0].first;
-    int start = batch->run[run].start,
-        end = run + 1 < batch->runs ? batch->run[run + 1].start : batch->segment[0].count;
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact[start].ball, contact[start].host);
-    if (scree_meet_as_rectangles(&boxes, batch->run[run].first)) return NULL;
+/* Whether a contact of two boxes edge on edge touches, and corners don't bear it. */
+static int edges_touch(const struct scree_bodies *bodies, const struct scree_batch *batch, int run) {
+    int first = batch->segment[0].first, start = first + batch->run[run].start;
+    int end = first + (run + 1 < batch->runs ? batch->run[run + 1].start : batch->segment[0].count);
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, batch->ends[start].ball, batch->ends[start].host);
+    if (scree_meet_as_rectangles(&boxes, batch->run[run].first)) return 0;
     scree_draw_in(&boxes);
-    for (int k = start; k < end; k++)
-        if (scree_cross(&boxes, &contact[k], SCREE_EDGE_EDGE).meeting.overlap > 0.0) return &contact[k];
-    return NULL;
+    for (int k = start; k < end; k++) {
+        struct scree_contact contact = scree_contact_at(batch, k);
+        if (scree_cross(&boxes, &contact, SCREE_EDGE_EDGE).meeting.overlap > 0.0) return 1;
+    }
+    return 0;
 }
 
 /* Edges on edges aren't followed: where two touch, the run can't go on. */
@@ -198,9 +198,9 @@ static scree_status stop_at_edges(struct scree_scene *scene) {
         if (batch->geometry != SCREE_EDGE_EDGE || batch->count == 0) continue;
         scree_adaptive_place(scene, a->y);
         for (int run = 0; run < batch->runs; run++) {
-            const struct scree_contact *contact = touching_edges(&scene->bodies, batch, run);
-            if (contact)
-                return scree_scene_stop(scene, a->start + a->y[Y_TIME], contact->ball, contact->host,
+            const struct scree_ends *ends = &batch->ends[batch->segment[0].first + batch->run[run].start];
+            if (edges_touch(&scene->bodies, batch, run))
+                return scree_scene_stop(scene, a->start + a->y[Y_TIME], ends->ball, ends->host,
                                         "an edge touches an edge, which the integrator \"adaptive\" doesn't know; take "
                                         "\"verlet\"");
         }

@@ -184,8 +184,8 @@ double scree_scene_steepest(const scree_scene *scene, int *ball, int *host) {
     return scene->contacts.steepest;
 }
 
-static uint64_t hash_contact(uint64_t hash, const struct scree_bodies *bodies, const struct scree_contact *contact) {
-    int numbers[3] = {bodies->number[contact->ball], bodies->number[contact->host], contact->corner};
+static uint64_t hash_contact(uint64_t hash, const struct scree_bodies *bodies, struct scree_contact contact) {
+    int numbers[3] = {bodies->number[contact.ball], bodies->number[contact.host], contact.corner};
     return scree_hash_on(hash, numbers, sizeof numbers);
 }
 
@@ -199,7 +199,7 @@ static uint64_t hash_memory(uint64_t hash, const struct scree_bodies *bodies, co
             something |= kept[m] != 0.0;
         }
         if (!something) continue;
-        hash = hash_contact(hash, bodies, &batch->contact[k]);
+        hash = hash_contact(hash, bodies, scree_contact_at(batch, k));
         hash = scree_hash_on(hash, kept, (size_t)batch->memory * sizeof *kept);
     }
     return hash;
@@ -215,7 +215,7 @@ static uint64_t hash_past(uint64_t hash, const struct scree_bodies *bodies, cons
             something |= past[m] != 0.0;
         }
         if (!something) continue;
-        hash = hash_contact(hash, bodies, &batch->contact[k]);
+        hash = hash_contact(hash, bodies, scree_contact_at(batch, k));
         hash = scree_hash_on(hash, past, sizeof past);
     }
     return hash;

@@ -219,7 +219,7 @@ static void put_memories(struct stream *s, const scree_scene *scene) {
         for (int k = remembers(batch) ? scree_first(batch) : -1; k >= 0; k = scree_next(batch, k)) {
             struct memory memory;
             memset(&memory, 0, sizeof memory);
-            memory.contact = batch->contact[k];
+            memory.contact = scree_contact_at(batch, k);
             memory.batch = b;
             for (int m = 0; m < SCREE_MEMORY; m++) memory.kept[m] = scree_kept(batch, m, k);
             for (int m = 0; batch->impulses && m < SCREE_PAST; m++) memory.past[m] = batch->past[m][k];

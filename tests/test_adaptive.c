@@ -677,7 +677,7 @@ static void stretch_what_touches(scree_scene *scene, double stretch) {
     for (int b = 0; b < scene->contacts.batches; b++) {
         struct scree_batch *batch = &scene->contacts.batch[b];
         for (int k = scree_first(batch); batch->memory && k >= 0; k = scree_next(batch, k)) {
-            const struct scree_contact *contact = &batch->contact[k];
+            struct scree_contact one = scree_contact_at(batch, k), *contact = &one;
             double height = scene->bodies.record[contact->ball].x[2] + scene->bodies.corner[contact->corner][2];
             if (height < 0.0) batch->kept[0][k] = stretch;
         }

@@ -525,7 +525,7 @@ static void check_laws(const char *normal, const char *friction, const char *rol
     for (int b = 0; b < scene->contacts.batches; b++)
         for (int k = 0; k < scene->contacts.batch[b].count; k++) {
             const struct scree_rule *rule = &scene->contacts.rule[0];
-            int ball = scene->contacts.batch[b].contact[k].ball;
+            int ball = scene->contacts.batch[b].ends[k].ball;
             impulse[ball] = impulse_by_hand(scene, rule, b, k, h);
             if (friction || rolling) turn[ball] = turn_by_hand(scene, rule, b, k, h, impulse[ball]);
             compared += vec_norm(impulse[ball]) > 0.0;
@@ -575,7 +575,7 @@ static void check_remembering(const char *normal, int steps) {
     for (int k = 0; k < batch->count; k++) {
         CHECK(scree_kept(batch, SCREE_KEPT_NORMAL, k) == expected[k].first);
         CHECK(scree_kept(batch, SCREE_KEPT_NORMAL + 1, k) == expected[k].second);
-        const double *got = scene->bodies.record[batch->contact[k].ball].f;
+        const double *got = scene->bodies.record[batch->ends[k].ball].f;
         if (compared[k]) CHECK(got[0] == impulse[k].x && got[1] == impulse[k].y && got[2] == impulse[k].z);
     }
     CHECK(touching > 10 && remembering > touching / 3); /* those that parted from the start have no impact speed */
