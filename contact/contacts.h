@@ -277,7 +277,7 @@ struct scree_contacts {
     double most_margin;   /* a few fast bodies may use up more than half the skin: up to this, m; */
     double widest_margin; /* and that is the most that one has */
     double step;          /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
-    double *spare;        /* per body: way that its margin may still take out of what the outer list leaves it, m */
+    float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
     struct scree_space boxes;

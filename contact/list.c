@@ -338,17 +338,23 @@ static void widen_margins(struct scree_contacts *contacts, const struct scree_bo
     }
 }
 
+/* A float that isn't larger. */
+static float at_most(double way) {
+    float near = (float)way;
+    return (double)near > way ? nextafterf(near, -HUGE_VALF) : near;
+}
+
 /* Give a body a margin out of what the outer list has left it: where bodies are many, so wide that it lasts for `steps`. 0 if too little
  * is left. */
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
-    double half = 0.5 * contacts->skin, spare = contacts->spare[k];
+    double half = 0.5 * contacts->skin, spare = (double)contacts->spare[k];
     double least = half / 80.0, most = fmax(half, spare) / 2.0, way = way_of(contacts, bodies, k);
     double margin = fmin(fmax(steps * way, least), most);
     if (!are_many(contacts, bodies)) margin = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
     margin = fmin(fmax(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
-    contacts->spare[k] = spare - margin;
+    contacts->spare[k] = at_most(spare - margin);
     record->path = half - margin;
     return 1;
 }
@@ -362,10 +368,10 @@ static void grant_all(struct scree_contacts *contacts, const struct scree_bodies
         limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
-        contacts->spare[k] = half - bodies->record[k].path;
+        contacts->spare[k] = at_most(half - bodies->record[k].path);
         if (fixed) bodies->record[k].path = half;
         if (fixed || grant(contacts, bodies, k, steps)) continue;
-        contacts->spare[k] = 0.0; /* so fast that it takes all at once */
+        contacts->spare[k] = 0.0F; /* so fast that it takes all at once */
     }
 }
 
@@ -504,7 +510,8 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
         limit_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
-        contacts->spare[k] += half - bodies->record[k].path; /* what is left of its margin, or what it went beyond */
+        /* What is left of its margin, or what it went beyond. */
+        contacts->spare[k] = at_most((double)contacts->spare[k] + (half - bodies->record[k].path));
         if (grant(contacts, bodies, k, last)) continue;
         return scree_contacts_list(contacts, bodies, threads, trouble);
     }
