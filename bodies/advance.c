@@ -69,7 +69,7 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
             record->x[k] = scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
             record->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
-            record->x[k] = state->x[k] + 0.5 * step * state->v[k];
+            record->x[k] = bodies->position[index][k] + 0.5 * step * state->v[k];
             record->v[k] = state->v[k] + 0.5 * (inertia->inverse_mass[k] * record->f[k] + step * gravity[k]);
         }
     }
@@ -88,8 +88,9 @@ int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double 
     /* Nobody looks at the loads of fixed bodies; they pile up unseen. */
     for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k]), step,
-                                                  scree_row_of(gravity));
+            double square =
+                scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
+                                      scree_row_of(gravity));
             too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
         } else if (bodies->class[k] == SCREE_CLASS_GENERAL) {
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);
@@ -122,12 +123,13 @@ static void advance_general(struct scree_bodies *bodies, int index, double step,
     const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     for (int k = 0; k < 3; k++) {
         if (joint->along[k] == SCREE_DRIVEN) {
-            state->x[k] = scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
+            bodies->position[index][k] =
+                scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
             state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
             state->v[k] = settle(state->v[k] + (scree_kind_of(bodies, index)->inertia.inverse_mass[k] * record->f[k] +
                                                 step * gravity[k]));
-            state->x[k] = record->x[k] + 0.5 * step * state->v[k];
+            bodies->position[index][k] = record->x[k] + 0.5 * step * state->v[k];
         }
     }
     advance_turn(bodies, index, step);
@@ -138,7 +140,8 @@ void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double ti
     drive_to(bodies, time + step);
     for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL)
-            scree_ball_advance(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity));
+            scree_ball_stay(scree_ball_advance(&bodies->record[k], &bodies->state[k], step, scree_row_of(gravity)),
+                            bodies->position[k]);
         else if (bodies->class[k] == SCREE_CLASS_GENERAL)
             advance_general(bodies, k, step, gravity);
     }
@@ -146,6 +149,12 @@ void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double ti
 
 void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
     scree_bodies_advance_some(bodies, bodies->count, time, step, gravity);
+}
+
+void scree_bodies_find_positions(struct scree_bodies *bodies, double step) {
+    for (int k = bodies->order.members; k < bodies->count; k++)
+        for (int axis = 0; axis < 3 && bodies->class[k] == SCREE_CLASS_BALL; axis++)
+            bodies->position[k][axis] = bodies->record[k].x[axis] - 0.5 * step * bodies->state[k].v[axis];
 }
 
 struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, double time) {
@@ -162,7 +171,7 @@ struct vec scree_bodies_spin(const struct scree_bodies *bodies, int index, doubl
 
 static void look_now(const struct scree_bodies *bodies, int index, double time, struct scree_bodies *shadow) {
     struct scree_record *record = &shadow->record[index];
-    memcpy(record->x, bodies->state[index].x, sizeof record->x);
+    memcpy(record->x, bodies->position[index], sizeof record->x);
     memcpy(record->v, bodies->state[index].v, sizeof record->v);
     vec_store(scree_bodies_spin(bodies, index, time), record->w);
     clear_loads(record);
@@ -193,7 +202,7 @@ void scree_bodies_start(struct scree_bodies *bodies, double time) {
         const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
         for (int axis = 0; axis < 3; axis++) {
             if (joint->along[axis] != SCREE_DRIVEN) continue;
-            bodies->state[k].x[axis] =
+            bodies->position[k][axis] =
                 scree_kind_of(bodies, k)->origin[axis] + bodies->moved[joint->along_motion[axis]].position;
             bodies->state[k].v[axis] = bodies->moved[joint->along_motion[axis]].velocity;
         }

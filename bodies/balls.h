@@ -41,9 +41,13 @@ struct scree_ball_rows {
     scree_row x, v, l;
 };
 
-static inline struct scree_ball_rows scree_ball_rows(const struct scree_state *state) {
-    return (struct scree_ball_rows){*(const scree_row *)state->x, *(const scree_row *)state->v,
-                                    *(const scree_row *)state->l};
+static inline struct scree_ball_rows scree_ball_rows(const struct scree_state *state, const double position[3]) {
+    return (struct scree_ball_rows){scree_row_of(position), *(const scree_row *)state->v, *(const scree_row *)state->l};
+}
+
+/* Let its position be known. */
+static inline void scree_ball_stay(struct scree_ball_rows rows, double position[3]) {
+    for (int k = 0; k < 3; k++) position[k] = rows.x[k];
 }
 
 /* Kick by the impulses in the record and by gravity at mid-step, and drift to the end of the step. Returns the new state. */
@@ -55,8 +59,7 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
     scree_row l = scree_row_settle(*(const scree_row *)state->l + *t);
     scree_row x = *(const scree_row *)record->x + scree_row_times(0.5 * step, v);
     l[3] = state->inverse_moment;
-    *(scree_row *)state->x = x; /* in this order: each row begins where the fourth number of the one before lies */
-    *(scree_row *)state->v = v;
+    *(scree_row *)state->v = v; /* in this order: a row begins where the fourth number of the one before lies */
     *(scree_row *)state->l = l;
     return (struct scree_ball_rows){x, v, l};
 }
@@ -81,22 +84,28 @@ static inline double scree_ball_look_ahead(struct scree_record *record, struct s
 /* Processors without such rows: number by number. The same bits. */
 struct scree_ball_rows {
     const struct scree_state *state;
+    double x[3];
 };
 
-static inline struct scree_ball_rows scree_ball_rows(const struct scree_state *state) {
-    return (struct scree_ball_rows){state};
+static inline struct scree_ball_rows scree_ball_rows(const struct scree_state *state, const double position[3]) {
+    return (struct scree_ball_rows){state, {position[0], position[1], position[2]}};
+}
+
+static inline void scree_ball_stay(struct scree_ball_rows rows, double position[3]) {
+    for (int k = 0; k < 3; k++) position[k] = rows.x[k];
 }
 
 static inline struct scree_ball_rows scree_ball_advance(const struct scree_record *record, struct scree_state *state,
                                                         double step, scree_row gravity) {
+    struct scree_ball_rows rows = {.state = state};
     for (int k = 0; k < 3; k++) {
         double v = state->v[k] + (record->inverse_mass * record->f[k] + step * gravity[k]),
                l = state->l[k] + record->t[k];
         state->v[k] = fabs(v) < 1e-140 ? 0.0 : v;
-        state->x[k] = record->x[k] + 0.5 * step * state->v[k];
+        rows.x[k] = record->x[k] + 0.5 * step * state->v[k];
         state->l[k] = fabs(l) < 1e-140 ? 0.0 : l;
     }
-    return (struct scree_ball_rows){state};
+    return rows;
 }
 
 static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows rows, double step,
@@ -105,7 +114,7 @@ static inline double scree_ball_look_ahead(struct scree_record *record, struct s
     const double *v = state->v;
     for (int k = 0; k < 3; k++) {
         double kick = record->inverse_mass * record->f[k] + step * gravity[k];
-        record->x[k] = state->x[k] + 0.5 * step * v[k];
+        record->x[k] = rows.x[k] + 0.5 * step * v[k];
         record->v[k] = v[k] + 0.5 * kick;
         record->w[k] = state->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
         record->f[k] = record->t[k] = 0.0;

@@ -20,13 +20,14 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
     bodies->moved = zeroed((size_t)motions, sizeof *bodies->moved);
     bodies->record = zeroed(n, sizeof *bodies->record);
     bodies->state = zeroed(n, sizeof *bodies->state);
+    bodies->position = zeroed(n, sizeof *bodies->position);
     bodies->class = zeroed(n, sizeof *bodies->class);
     bodies->kind_of = zeroed(n, sizeof *bodies->kind_of);
     bodies->number = zeroed(n, sizeof *bodies->number);
     bodies->place = zeroed(n, sizeof *bodies->place);
     bodies->slab = zeroed(n, sizeof *bodies->slab);
-    if (bodies->record && bodies->state && bodies->class && bodies->kind_of && bodies->number && bodies->place &&
-        bodies->slab && bodies->moved) {
+    if (bodies->record && bodies->state && bodies->position && bodies->class && bodies->kind_of && bodies->number &&
+        bodies->place && bodies->slab && bodies->moved) {
         for (int k = 0; k < count; k++) bodies->number[k] = bodies->place[k] = k;
         memset(bodies->slab, -1, n);
         return SCREE_OK;
@@ -39,6 +40,7 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
     scree_memory_free(bodies->record);
     scree_memory_free(bodies->state);
+    scree_memory_free(bodies->position);
     scree_memory_free(bodies->class);
     scree_memory_free(bodies->kind_of);
     free(bodies->kind);
@@ -129,7 +131,7 @@ scree_status scree_bodies_set(struct scree_bodies *bodies, int index, const scre
         memcpy(kind.origin, def->position, sizeof kind.origin);
     }
     for (int k = 0; k < 3; k++) {
-        state->x[k] = record->x[k] = def->position[k];
+        bodies->position[index][k] = record->x[k] = def->position[k];
         state->v[k] = def->velocity[k];
         state->l[k] = kind.inertia.moments[0] * def->spin[k]; /* right for balls; finish does the others */
     }

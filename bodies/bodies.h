@@ -2,7 +2,8 @@
  *
  * Three temperatures:
  *   record   what contacts read and write, every step, two bodies a contact: five rows of four doubles;
- *   state    positions and momenta at the end of the last step, read once a step;
+ *   state    momenta at the end of the last step, read once a step;
+ *   position at the end of the last step, for those who look: not written while steps follow one another;
  *   the rest mass properties, joints, shapes: once for all balls that are alike; attitudes of bodies that have one.
  *
  * The step is Verlet's in its position form (drift, kick, drift: Tuckerman, Berne & Martyna 1992): contacts are
@@ -31,7 +32,7 @@ struct scree_record {
 
 /* Rows of four take the number behind with them: what writes one writes the next one after it. */
 struct scree_state {
-    double x[3], v[3];           /* m, m/s */
+    double v[3];                 /* m/s */
     double l[3], inverse_moment; /* angular momentum about the centre, world axes, kg m^2/s; 1/(kg m^2), of a ball */
 };
 
@@ -107,6 +108,8 @@ struct scree_bodies {
     signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
     struct scree_state *state;
+    double (
+        *position)[3]; /* at the end of the last step, m; of members that hurry on to the next one it isn't written */
     unsigned char *class; /* enum scree_body_class */
     int *kind_of;         /* row in `kind`: see scree_kind_of */
     int kinds, kind_capacity;
@@ -175,6 +178,9 @@ void scree_bodies_advance(struct scree_bodies *bodies, double time, double step,
 
 void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double time, double step,
                                const double gravity[3]);
+
+/* Positions of members that were to hurry on but don't, from their records in the middle of the next step; to rounding. */
+void scree_bodies_find_positions(struct scree_bodies *bodies, double step);
 
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
  * by scree_bodies_shadow (or `bodies` itself). */

@@ -14,20 +14,19 @@ static void settle_past(struct scree_past *past, const struct scree_record *reco
 
 /* One free coordinate, from where it is at mid-step by its velocity at the start. */
 static inline void advance_along(int k, const struct scree_record *record, const double moment[3],
-                                 struct scree_state *state, const struct scree_inertia *inertia, double step,
-                                 const double gravity[3]) {
+                                 struct scree_state *state, double x[3], const struct scree_inertia *inertia,
+                                 double step, const double gravity[3]) {
     double before = state->v[k], inverse_mass = inertia->inverse_mass[k];
     state->v[k] = settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
-    state->x[k] = record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
+    x[k] = record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
 }
 
 static void advance_ball(const struct scree_record *record, const double moment[3], struct scree_state *state,
-                         double step, const double gravity[3]) {
+                         double x[3], double step, const double gravity[3]) {
     for (int k = 0; k < 3; k++) {
         double before = state->v[k], inverse_mass = record->inverse_mass;
         state->v[k] = settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
-        state->x[k] =
-            record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
+        x[k] = record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
         state->l[k] = settle(state->l[k] + record->t[k]);
     }
 }
@@ -55,17 +54,18 @@ void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, d
         const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
         if (bodies->class[index] == SCREE_CLASS_FIXED) continue;
         if (bodies->class[index] == SCREE_CLASS_BALL) {
-            advance_ball(record, bodies->push[index].moment, state, step, gravity);
+            advance_ball(record, bodies->push[index].moment, state, bodies->position[index], step, gravity);
             settle_past(past, record);
             continue;
         }
         for (int k = 0; k < 3; k++) {
             if (joint->along[k] == SCREE_DRIVEN) {
-                state->x[k] = scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
+                bodies->position[index][k] =
+                    scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
                 state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
             } else if (joint->along[k] == SCREE_FREE) {
-                advance_along(k, record, bodies->push[index].moment, state, &scree_kind_of(bodies, index)->inertia,
-                              step, gravity);
+                advance_along(k, record, bodies->push[index].moment, state, bodies->position[index],
+                              &scree_kind_of(bodies, index)->inertia, step, gravity);
             }
         }
         turn_by_moments(bodies, index, step);
@@ -142,7 +142,7 @@ static void look_ball(const struct scree_bodies *bodies, int index, double step,
     struct scree_push *push = &bodies->push[index];
     double along = record->inverse_mass / step, turn = state->inverse_moment / step;
     for (int k = 0; k < 3; k++) {
-        now->x[k] = state->x[k];
+        now->x[k] = bodies->position[index][k];
         now->v[k] = state->v[k];
         now->w[k] = state->inverse_moment * state->l[k];
         push->along[k] = gravity[k] + along * past->f[0][k];
@@ -186,8 +186,9 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     drive_to(bodies, time + 0.5 * step);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k]), step,
-                                                  scree_row_of(gravity));
+            double square =
+                scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
+                                      scree_row_of(gravity));
             too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
         } else {
             too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);

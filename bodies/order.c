@@ -35,8 +35,8 @@ static int measure(const struct scree_bodies *bodies, double mean, double low[3]
     for (int k = 0; k < bodies->count; k++) {
         if (!is_member(bodies, k, mean)) continue;
         for (int axis = 0; axis < 3; axis++) {
-            low[axis] = fmin(low[axis], bodies->state[k].x[axis]);
-            high[axis] = fmax(high[axis], bodies->state[k].x[axis]);
+            low[axis] = fmin(low[axis], bodies->position[k][axis]);
+            high[axis] = fmax(high[axis], bodies->position[k][axis]);
         }
         *radius = fmax(*radius, bodies->record[k].radius);
         count++;
@@ -70,7 +70,7 @@ static uint64_t cell(double x, double low, double width, double most) {
 
 /* Slab, row, place in the row, as one number that orders; 0 for bodies that are no members. */
 static uint64_t key_of(const struct scree_bodies *bodies, int k, const struct scree_order *order) {
-    const double *x = bodies->state[k].x;
+    const double *x = bodies->position[k];
     int a = order->axis[0], b = order->axis[1], c = order->axis[2];
     uint64_t slab = cell(x[a], order->low[a], order->width[0], order->slabs - 1);
     uint64_t row = cell(x[b], order->low[b], order->width[1], 4095.0);
@@ -171,10 +171,10 @@ void scree_bodies_permute(struct scree_bodies *bodies, int *from) {
         void *array;
         size_t size;
     } arrays[] = {
-        {bodies->record, sizeof *bodies->record}, {bodies->state, sizeof *bodies->state},
-        {bodies->class, sizeof *bodies->class},   {bodies->kind_of, sizeof *bodies->kind_of},
-        {bodies->past, sizeof *bodies->past},     {bodies->number, sizeof *bodies->number},
-        {bodies->calm, sizeof *bodies->calm},
+        {bodies->record, sizeof *bodies->record},     {bodies->state, sizeof *bodies->state},
+        {bodies->position, sizeof *bodies->position}, {bodies->class, sizeof *bodies->class},
+        {bodies->kind_of, sizeof *bodies->kind_of},   {bodies->past, sizeof *bodies->past},
+        {bodies->number, sizeof *bodies->number},     {bodies->calm, sizeof *bodies->calm},
     };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         scree_permute(arrays[k].array, arrays[k].size, from, count);

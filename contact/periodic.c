@@ -7,7 +7,7 @@
 /* Periods that body k must go back along an axis to be in the box. */
 static int periods_out(const struct scree_bodies *bodies, int k, int axis) {
     if (bodies->class[k] == SCREE_CLASS_FIXED || scree_kind_of(bodies, k)->joint.along[axis] != SCREE_FREE) return 0;
-    double off = scree_periods_off(bodies, bodies->state[k].x[axis], axis);
+    double off = scree_periods_off(bodies, bodies->position[k][axis], axis);
     return fabs(off) <= SCREE_MOST_PERIODS ? (int)off : 0; /* farther in one go: the run is about to be stopped */
 }
 
@@ -28,7 +28,7 @@ static scree_status find_returns(struct scree_contacts *contacts, const struct s
         int any = 0;
         for (int axis = 0; axis < 3; axis++) any |= out.periods[axis] = periods_out(bodies, k, axis);
         if (!any) continue;
-        memcpy(out.from, bodies->state[k].x, sizeof out.from);
+        memcpy(out.from, bodies->position[k], sizeof out.from);
         memcpy(out.ahead, bodies->record[k].x, sizeof out.ahead);
         scree_status status = room_for_returns(contacts, contacts->returns + 1, trouble);
         if (status) return status;
@@ -42,7 +42,7 @@ static void bring_back(const struct scree_contacts *contacts, struct scree_bodie
         const struct scree_return *out = &contacts->returned[n];
         for (int axis = 0; axis < 3; axis++) {
             double way = out->periods[axis] * bodies->period[axis];
-            bodies->state[out->body].x[axis] -= way;
+            bodies->position[out->body][axis] -= way;
             bodies->record[out->body].x[axis] -= way;
         }
     }
@@ -52,7 +52,7 @@ static void bring_back(const struct scree_contacts *contacts, struct scree_bodie
 static void send_off(struct scree_contacts *contacts, struct scree_bodies *bodies, int recoded) {
     for (int n = 0; n < contacts->returns; n++) {
         struct scree_return *out = &contacts->returned[n];
-        memcpy(bodies->state[out->body].x, out->from, sizeof out->from);
+        memcpy(bodies->position[out->body], out->from, sizeof out->from);
         memcpy(bodies->record[out->body].x, out->ahead, sizeof out->ahead);
         for (int axis = 0; axis < 3; axis++) out->periods[axis] = -out->periods[axis];
     }

@@ -227,7 +227,7 @@ static int may_sleep(const struct scree_bodies *bodies, int k) {
 static void fall_asleep(struct scree_contacts *contacts, struct scree_bodies *bodies, int k) {
     struct scree_state *state = &bodies->state[k];
     struct scree_record *record = &bodies->record[k];
-    memcpy(state->x, record->x, sizeof state->x);
+    memcpy(bodies->position[k], record->x, sizeof record->x);
     memset(state->v, 0, sizeof state->v);
     memset(state->l, 0, sizeof state->l);
     memset(record->v, 0, sizeof record->v);
@@ -261,7 +261,8 @@ void scree_rest_wake(struct scree_contacts *contacts, struct scree_bodies *bodie
         if (bodies->class[k] != SCREE_CLASS_ASLEEP || imbalance(bodies, k, step, gravity) <= 4.0 * rest->pull) continue;
         wake(contacts, bodies, k, step, gravity);
         if (ahead && bodies->slab[k] >= 0) /* as all members are already */
-            scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k]), step, scree_row_of(gravity));
+            scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
+                                  scree_row_of(gravity));
     }
 }
 

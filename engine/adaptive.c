@@ -101,7 +101,7 @@ static void pack(struct scree_scene *scene) {
         const struct scree_state *state = &scene->bodies.state[k];
         if (a->at[k] < 0) continue;
         double *y = a->y + a->at[k];
-        memcpy(y + OF_X, state->x, sizeof state->x);
+        memcpy(y + OF_X, scene->bodies.position[k], sizeof *scene->bodies.position);
         memcpy(y + OF_V, state->v, sizeof state->v);
         memcpy(y + OF_L, state->l, sizeof state->l);
         int slot = scree_kind_of(&scene->bodies, k)->slot;
@@ -121,7 +121,7 @@ void scree_adaptive_place(struct scree_scene *scene, const double *y) {
         if (a->at[k] < 0) continue;
         const double *own = y + a->at[k];
         struct scree_state *state = &bodies->state[k];
-        memcpy(state->x, own + OF_X, sizeof state->x);
+        memcpy(bodies->position[k], own + OF_X, sizeof *bodies->position);
         memcpy(state->v, own + OF_V, sizeof state->v);
         memcpy(state->l, own + OF_L, sizeof state->l);
         if (scree_kind_of(bodies, k)->slot >= 0)

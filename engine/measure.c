@@ -65,7 +65,7 @@ scree_body_state scree_scene_body(const scree_scene *scene, int index) {
         return state;
     }
     int place = bodies->place[index];
-    put_into_box(bodies, bodies->state[place].x, state.position);
+    put_into_box(bodies, bodies->position[place], state.position);
     memcpy(state.velocity, bodies->state[place].v, sizeof state.velocity);
     vec_store(scree_bodies_spin(bodies, place, scree_scene_time(scene)), state.spin);
     if (scree_kind_of(bodies, place)->slot >= 0)
@@ -91,7 +91,7 @@ static void add_body_energy(const scree_scene *scene, int k, const double gravit
     for (int axis = 0; axis < 3; axis++) {
         if (joint->along[axis] != SCREE_FREE) continue;
         energy->kinetic += 0.5 * mass * state->v[axis] * state->v[axis];
-        energy->potential -= mass * gravity[axis] * state->x[axis];
+        energy->potential -= mass * gravity[axis] * bodies->position[k][axis];
     }
     if (joint->turn == SCREE_FREE)
         energy->rotational += 0.5 * vec_dot(scree_bodies_spin(bodies, k, scree_scene_time(scene)), vec_from(state->l));
@@ -227,7 +227,7 @@ uint64_t scree_scene_hash(const scree_scene *scene) {
     hash = scree_hash_on(hash, &steps, sizeof steps);
     for (int number = 0; number < bodies->count; number++) {
         int k = bodies->place[number];
-        hash = scree_hash_on(hash, bodies->state[k].x, sizeof bodies->state[k].x);
+        hash = scree_hash_on(hash, bodies->position[k], sizeof bodies->position[k]);
         hash = scree_hash_on(hash, bodies->state[k].v, sizeof bodies->state[k].v);
         hash = scree_hash_on(hash, bodies->state[k].l, sizeof bodies->state[k].l);
         if (scree_kind_of(bodies, k)->slot >= 0)

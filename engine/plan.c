@@ -239,7 +239,7 @@ static double fall_height(const struct scree_scene *scene) {
     struct vec g = vec_from(scene->gravity.vector);
     double size = vec_norm(g), low = HUGE_VAL, high = -HUGE_VAL;
     for (int k = 0; size > 0.0 && k < scene->bodies.count; k++) {
-        double height = -vec_dot(g, vec_from(scene->bodies.state[k].x)) / size;
+        double height = -vec_dot(g, vec_from(scene->bodies.position[k])) / size;
         low = fmin(low, height);
         high = fmax(high, height);
     }
@@ -642,7 +642,7 @@ static scree_status check_domain(struct scree_scene *scene) {
         double normal[3] = {0.0, 0.0, 0.0};
         if (plane) vec_store(scree_attitude_of(bodies, k)->frame.column[2], normal);
         for (int axis = 0; axis < 3; axis++) {
-            double x = bodies->state[k].x[axis], period = bodies->period[axis];
+            double x = bodies->position[k][axis], period = bodies->period[axis];
             /* Programs that put bodies back now and then write places that are somewhat beyond a periodic border. */
             double beyond = 0.5 * period, low = scene->domain.min[axis], high = scene->domain.max[axis];
             if (!plane && !(x >= low - beyond && x <= high + beyond))

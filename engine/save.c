@@ -254,7 +254,7 @@ struct body_part {
 static struct body_part body_part(const struct scree_bodies *bodies, int k) {
     struct body_part part = {.number = bodies->number[k]};
     if (bodies->calm) part.calm = bodies->class[k] == SCREE_CLASS_ASLEEP ? ~bodies->calm[k] : bodies->calm[k];
-    memcpy(part.x, bodies->state[k].x, sizeof part.x);
+    memcpy(part.x, bodies->position[k], sizeof part.x);
     memcpy(part.v, bodies->state[k].v, sizeof part.v);
     memcpy(part.l, bodies->state[k].l, sizeof part.l);
     if (scree_kind_of(bodies, k)->slot >= 0) memcpy(part.q, scree_attitude_of(bodies, k)->q, sizeof part.q);
@@ -380,7 +380,7 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
     scene->ahead = scene->too_far = 0;
     take_places(scene, order, part);
     for (int k = 0; k < bodies->count; k++) {
-        memcpy(bodies->state[k].x, part[k].x, sizeof part[k].x);
+        memcpy(bodies->position[k], part[k].x, sizeof part[k].x);
         memcpy(bodies->state[k].v, part[k].v, sizeof part[k].v);
         memcpy(bodies->state[k].l, part[k].l, sizeof part[k].l);
         if (scree_kind_of(bodies, k)->slot >= 0) memcpy(scree_attitude_of(bodies, k)->q, part[k].q, sizeof part[k].q);

@@ -172,8 +172,8 @@ SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
 SCREE_API int scree_scene_asleep(const scree_scene *scene);
 
 /* Advance by `steps` steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body faster
- * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then. If the watch
- * has halved the step meanwhile, the time reached is the same, after as many more steps. */
+ * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then, positions to their last digit
+ * but one. If the watch has halved the step meanwhile, the time reached is the same, after as many more steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
 
 /* A halving of the step: when the run went wrong and to where it went back, s; the new step, s; and the cause in words. */

@@ -127,8 +127,10 @@ static scree_status step_by_impulses(scree_scene *scene) {
 }
 
 /* From time to time the bodies are put in order; when, is a function of the state. */
+enum { STEPS_TO_ORDER = 512 };
+
 static scree_status keep_order(scree_scene *scene) {
-    if (scene->steps % 512 != 0 || scene->steps == 0) return SCREE_OK;
+    if (scene->steps % STEPS_TO_ORDER != 0 || scene->steps == 0) return SCREE_OK;
     return scree_contacts_keep_order(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
@@ -158,10 +160,10 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
 }
 
 /* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than after a break.
- * Nor those that may fall asleep where they are. */
+ * Nor those that may fall asleep where they are, or be put in the order of their positions. */
 static int may_hurry(const scree_scene *scene) {
     long next = scene->steps + 1;
-    return !(scene->bodies.periodic && next % STEPS_TO_RETURN == 0) &&
+    return next % STEPS_TO_ORDER != 0 && !(scene->bodies.periodic && next % STEPS_TO_RETURN == 0) &&
            !(scene->time.sleep > 0.0 && scree_rest_is_look(next));
 }
 
@@ -198,8 +200,13 @@ scree_status scree_scene_step(scree_scene *scene, long steps) {
 
 scree_status scree_step_plainly(struct scree_scene *scene, long steps) {
     for (long k = 0; k < steps; k++) {
+        long before = scene->steps;
+        int ahead = scene->ahead;
         scree_status status = step_once(scene, k + 1 < steps);
-        if (status) return status;
+        if (!status) continue;
+        if (scene->steps > before) ahead = scene->ahead;
+        if (ahead) scree_bodies_find_positions(&scene->bodies, scene->step);
+        return status;
     }
     return SCREE_OK;
 }

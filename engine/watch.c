@@ -20,7 +20,8 @@ static scree_status check_state(scree_scene *scene) {
     for (int k = 0; k < scene->bodies.count; k++) {
         const struct scree_state *state = &scene->bodies.state[k];
         double way = vec_norm(vec_from(state->v)) * scene->step;
-        if (has_numbers(state->x) && has_numbers(state->l) && way <= scene->contacts.chosen_skin) continue;
+        if (has_numbers(scene->bodies.position[k]) && has_numbers(state->l) && way <= scene->contacts.chosen_skin)
+            continue;
         scree_report(
             &scene->trouble, SCREE_FAILED, NULL,
             "stopped at t = %.9g s: body \"%s\": it is no longer where numbers reach, or moves too far in a step "

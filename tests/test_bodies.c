@@ -350,8 +350,8 @@ static void test_joints(void) {
     struct scree_bodies bodies = make_one(&ball, 1000.0);
     CHECK(bodies.class[0] == SCREE_CLASS_BALL && bodies.attitudes == 0);
     step_alone(&bodies, 1000, 1e-3, gravity);
-    NEAR(bodies.state[0].x[0], 1.5, 1e-12);
-    NEAR(bodies.state[0].x[2], 2.0 - 0.5 * 9.81, 1e-12);
+    NEAR(bodies.position[0][0], 1.5, 1e-12);
+    NEAR(bodies.position[0][2], 2.0 - 0.5 * 9.81, 1e-12);
     NEAR(scree_bodies_spin(&bodies, 0, 1.0).y, 4.0, 1e-12);
     scree_bodies_destroy(&bodies);
 
@@ -363,8 +363,8 @@ static void test_joints(void) {
                              .joint = {.along = {SCREE_FIXED, SCREE_FIXED, SCREE_FREE}, .axis = {0.0, 2.0, 0.0}}};
     bodies = make_one(&guided, 0.0);
     step_alone(&bodies, 1000, 1e-3, gravity);
-    CHECK(bodies.state[0].x[0] == 0.0 && bodies.state[0].x[1] == 0.0);
-    NEAR(bodies.state[0].x[2], 1.0 - 0.5 * 9.81, 1e-12);
+    CHECK(bodies.position[0][0] == 0.0 && bodies.position[0][1] == 0.0);
+    NEAR(bodies.position[0][2], 1.0 - 0.5 * 9.81, 1e-12);
     NEAR(scree_bodies_spin(&bodies, 0, 1.0).y, 7.0, 1e-12);
     NEAR(bodies.attitude[0].q[0], cos(3.5), 1e-12); /* turned by 7 rad */
     NEAR(bodies.attitude[0].q[2], sin(3.5), 1e-12);
@@ -390,7 +390,7 @@ static void test_joints(void) {
     CHECK(scree_bodies_finish(&bodies, pick, &driven, &trouble) == SCREE_OK);
     scree_bodies_start(&bodies, 0.0);
     step_alone(&bodies, 500, 1e-3, gravity);
-    NEAR(bodies.state[0].x[0], 5.25, 1e-14);
+    NEAR(bodies.position[0][0], 5.25, 1e-14);
     CLOSE(bodies.state[0].v[0], 1.875 * 0.5, 1e-13);
     NEAR(bodies.attitude[0].q[3], sin(0.5), 1e-14);
     CHECK(scree_bodies_spin(&bodies, 0, 0.5).z == 2.0 && bodies.record[0].inverse_mass == 0.0);

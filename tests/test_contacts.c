@@ -400,7 +400,7 @@ static void momenta(const scree_scene *scene, struct vec *p, struct vec *l) {
         const struct scree_state *s = &scene->bodies.state[k];
         struct vec momentum = vec_scale(scree_kind_of(&scene->bodies, k)->inertia.mass, vec_from(s->v));
         *p = vec_add(*p, momentum);
-        *l = vec_add(*l, vec_add(vec_from(s->l), vec_cross(vec_from(s->x), momentum)));
+        *l = vec_add(*l, vec_add(vec_from(s->l), vec_cross(vec_from(scene->bodies.position[k]), momentum)));
     }
 }
 

@@ -867,7 +867,7 @@ static void test_rolling_momentum(void) {
             for (int k = 0; k < 2; k++) {
                 const struct scree_state *state = &scene->bodies.state[k];
                 struct vec p = vec_scale(scree_kind_of(&scene->bodies, k)->inertia.mass, vec_from(state->v));
-                *sum = vec_add(*sum, vec_add(vec_from(state->l), vec_cross(vec_from(state->x), p)));
+                *sum = vec_add(*sum, vec_add(vec_from(state->l), vec_cross(vec_from(scene->bodies.position[k]), p)));
             }
             if (n == 0) go(scene, 10000);
         }

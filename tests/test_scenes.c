@@ -358,7 +358,7 @@ static double brute_overlaps(const scree_scene *scene, int *count) {
                 double d2 = 0.0, reach = bodies->record[i].radius + bodies->record[j].radius;
                 int there = 1;
                 for (int axis = 0; axis < 3; axis++) {
-                    double d = bodies->state[i].x[axis] - bodies->state[j].x[axis] + n[axis] * bodies->period[axis];
+                    double d = bodies->position[i][axis] - bodies->position[j][axis] + n[axis] * bodies->period[axis];
                     d2 += d * d;
                     there &= bodies->period[axis] > 0.0 || n[axis] == 0;
                 }
@@ -417,7 +417,7 @@ static void test_periodic_shift(void) {
             for (int k = 0; s && k < scene[s]->bodies.count; k++) {
                 for (int axis = 0; axis < 3; axis++) {
                     double way = (0.3 + 0.2 * axis) * scene[s]->bodies.period[axis];
-                    scene[s]->bodies.state[k].x[axis] += way;
+                    scene[s]->bodies.position[k][axis] += way;
                     scene[s]->bodies.record[k].x[axis] += way;
                 }
             }
@@ -527,7 +527,7 @@ static double brute_nearest(const scree_scene *scene, int *count) {
     for (int i = 0; i < bodies->count; i++)
         for (int j = 0; j < i; j++) {
             if (bodies->class[i] == SCREE_CLASS_FIXED && bodies->class[j] == SCREE_CLASS_FIXED) continue;
-            struct vec apart = vec_sub(vec_from(bodies->state[i].x), vec_from(bodies->state[j].x));
+            struct vec apart = vec_sub(vec_from(bodies->position[i]), vec_from(bodies->position[j]));
             double gap =
                 vec_norm(scree_nearest_image(bodies, apart)) - bodies->record[i].radius - bodies->record[j].radius;
             sum += gap < 0.0 ? -gap : 0.0;
@@ -628,7 +628,7 @@ static void test_periodic_many(void) {
         const struct scree_bodies *bodies = &scene->bodies;
         for (int i = 0; i < bodies->count; i++)
             for (int j = 0; j < i; j++) {
-                struct vec apart = vec_sub(vec_from(bodies->state[i].x), vec_from(bodies->state[j].x));
+                struct vec apart = vec_sub(vec_from(bodies->position[i]), vec_from(bodies->position[j]));
                 double reach = bodies->record[i].radius + bodies->record[j].radius;
                 expected += vec_norm(scree_nearest_image(bodies, apart)) < reach;
             }
