@@ -163,12 +163,14 @@ static inline struct scree_outer scree_outer_of(const struct scree_batch *batch,
     return (struct scree_outer){NULL, batch->code + batch->segment[segment].codes_first, 0};
 }
 
+/* Written without branches: who comes next, and who is the ball, is a matter of chance. */
 static inline struct scree_contact scree_next_outer(struct scree_outer *outer) {
     if (outer->loose) return *outer->loose++;
-    if (*outer->code < 0) outer->first = ~*outer->code++;
-    int code = *outer->code++, partner = code >> 1;
-    return code & 1 ? (struct scree_contact){partner, outer->first, 0}
-                    : (struct scree_contact){outer->first, partner, 0};
+    int named = *outer->code >> 31; /* all bits, or none */
+    outer->first ^= (outer->first ^ ~*outer->code) & named;
+    outer->code -= named;
+    int code = *outer->code++, partner = code >> 1, swap = -(code & 1) & (outer->first ^ partner);
+    return (struct scree_contact){outer->first ^ swap, partner ^ swap, 0};
 }
 
 /* Indices of the near contacts of a batch, one after the other; -1: no more. */

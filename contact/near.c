@@ -265,7 +265,7 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
         int order = -1;
         while (before < segment->count && (order = compare_with(batch, segment->first + before, &one, s)) < 0) before++;
         int same = before < segment->count && order == 0;
-        if (same && !near) near = keeps_something(batch, segment->first + before);
+        if (same & !near) near = keeps_something(batch, segment->first + before);
         scratch->contact[count] = one; /* counts if it is near */
         scratch->from[count] = same ? before : -1;
         count += near;
