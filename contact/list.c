@@ -6,11 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a body in a step, m. */
+/* Of a body in a step, m; on the mean of some thousands of them. */
 static double mean_way(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    int first = bodies->order.members, stride = 1 + (bodies->count - first) / 4096, some = 0;
     double way = 0.0;
-    for (int k = bodies->order.members; k < bodies->count; k++) way += vec_norm(vec_from(bodies->record[k].v));
-    return way * contacts->step / (bodies->count - bodies->order.members);
+    for (int k = first; k < bodies->count; k += stride, some++) way += vec_norm(vec_from(bodies->record[k].v));
+    return way * contacts->step / some;
 }
 
 /* Steps that a body's margin is to last at its speed. A margin m lets some 9 m/R contacts more per body into the near list, each of
@@ -338,6 +339,9 @@ static void widen_margins(struct scree_contacts *contacts, const struct scree_bo
     }
 }
 
+static inline double lesser(double a, double b) { return b < a ? b : a; }
+static inline double larger(double a, double b) { return b > a ? b : a; }
+
 /* A float that isn't larger. */
 static float at_most(double way) {
     float near = (float)way;
@@ -349,10 +353,10 @@ static float at_most(double way) {
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = (double)contacts->spare[k];
-    double least = half / 80.0, most = fmax(half, spare) / 2.0, way = way_of(contacts, bodies, k);
-    double margin = fmin(fmax(steps * way, least), most);
+    double least = half / 80.0, most = larger(half, spare) / 2.0, way = way_of(contacts, bodies, k);
+    double margin = lesser(larger(steps * way, least), most);
     if (!are_many(contacts, bodies)) margin = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
-    margin = fmin(fmax(margin, 4.0 * way), spare);
+    margin = lesser(larger(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
     contacts->spare[k] = at_most(spare - margin);
     record->path = half - margin;
