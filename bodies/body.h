@@ -24,7 +24,7 @@ typedef struct scree_joint {
 /* A body. Zero means the default wherever that makes sense: density from the material instead of a mass, identity
  * orientation, at rest, free. Positions in m, velocities in m/s, spin in rad/s, all in the world. */
 typedef struct scree_body_def {
-    const char *name; /* unique, not empty; copied */
+    const char *name; /* unique, not empty, at most 255 bytes; copied */
     scree_shape shape;
     int material;          /* index returned by scree_scene_add_material */
     double mass;           /* kg; 0: density of the material times volume */

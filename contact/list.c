@@ -90,18 +90,19 @@ static void sort(struct scree_batch *batch) {
 /* What is done with a contact that the candidates yield: counted, or put in its place. */
 enum pass { COUNT, FILL };
 
+static void put_code(struct scree_batch *batch, struct scree_part *segment, int code, enum pass pass) {
+    if (pass == FILL) batch->code[segment->codes_first + segment->codes] = code;
+    segment->codes++;
+}
+
 /* Bodies come in their order, and so do their partners. */
 static void encode(struct scree_batch *batch, struct scree_part *segment, const struct scree_contact *contact,
                    enum pass pass) {
     int swap = contact->host < contact->ball, first = swap ? contact->host : contact->ball;
-    int partner = swap ? contact->ball : contact->host, *code = batch->code + segment->codes_first + segment->codes;
-    if (segment->last != first) {
-        if (pass == FILL) *code++ = ~first;
-        segment->codes++;
-        segment->last = first;
-    }
-    if (pass == FILL) *code = 2 * partner + swap;
-    segment->codes++;
+    int partner = swap ? contact->ball : contact->host;
+    if (segment->last != first) put_code(batch, segment, ~first, pass);
+    segment->last = first;
+    put_code(batch, segment, 2 * partner + swap, pass);
 }
 
 static void take(const struct scree_bodies *bodies, struct scree_batch *batch, const struct scree_contact *contact,
