@@ -1,9 +1,9 @@
 /* The bodies of a scene while it runs: state split by temperature, and how each body moves alone.
  *
- * Three temperatures:
+ * Four temperatures:
  *   record   what contacts read and write, every step, two bodies a contact: five rows of four doubles;
- *   state    momenta at the end of the last step, read once a step;
- *   position at the end of the last step, for those who look: not written while steps follow one another;
+ *   state    momenta at the end of the last step, read and written once a step;
+ *   position at the end of the last step, for those who look: while steps follow one another it isn't written;
  *   the rest mass properties, joints, shapes: once for all balls that are alike; attitudes of bodies that have one.
  *
  * The step is Verlet's in its position form (drift, kick, drift: Tuckerman, Berne & Martyna 1992): contacts are
@@ -108,8 +108,7 @@ struct scree_bodies {
     signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
     struct scree_state *state;
-    double (
-        *position)[3]; /* at the end of the last step, m; of members that hurry on to the next one it isn't written */
+    double (*position)[3]; /* at the end of the last step, m; not of members that hurry on to the next one */
     unsigned char *class; /* enum scree_body_class */
     int *kind_of;         /* row in `kind`: see scree_kind_of */
     int kinds, kind_capacity;

@@ -47,7 +47,7 @@ struct column {
 
 static void *place_in(struct column column, int k) { return column.at + (size_t)k * column.size; }
 
-/* The columns of a batch; returns how many. */
+/* The columns of what is kept of contacts; returns how many. */
 enum { MOST_COLUMNS = SCREE_MEMORY + SCREE_PAST };
 static int columns_of(const struct scree_batch *batch, struct column column[MOST_COLUMNS]) {
     int count = 0;
@@ -90,7 +90,7 @@ static scree_status enlarge_yield(struct scree_batch *batch, scree_trouble *trou
     return SCREE_OK;
 }
 
-/* Those that name its contacts. */
+/* Those that name the contacts. */
 static int names_of(const struct scree_batch *batch, struct column column[2]) {
     column[0] = (struct column){(unsigned char *)batch->ends, sizeof *batch->ends};
     if (batch->corner) column[1] = (struct column){(unsigned char *)batch->corner, sizeof *batch->corner};
