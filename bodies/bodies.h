@@ -109,8 +109,8 @@ struct scree_bodies {
     struct scree_record *record;
     struct scree_state *state;
     double (*position)[3]; /* at the end of the last step, m; not of members that hurry on to the next one */
-    unsigned char *class; /* enum scree_body_class */
-    int *kind_of;         /* row in `kind`: see scree_kind_of */
+    unsigned char *class;  /* enum scree_body_class */
+    int *kind_of;          /* row in `kind`: see scree_kind_of */
     int kinds, kind_capacity;
     struct scree_kind *kind;
     int attitudes;
