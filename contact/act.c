@@ -1,9 +1,12 @@
 /* All near contacts through one step.
  *
- * Segment 0 first: its blocks yield impulses by as many threads, and these are added to the bodies one after the other. Then slabs:
- * those of even number, and those of odd number after both their neighbours, whose contacts add straight to their bodies; no
- * two slabs at work at the same time have a body in common. So every sum has one order, for any number of threads. A body is finished when the
- * slab that it belongs to and the one before are. */
+ * Segment 0 first: its blocks yield impulses by as many threads, and these are added to the bodies one after the other. Then slabs,
+ * whose contacts add straight to their bodies. A slab's contacts reach into the next slab. Slabs go in stretches, one after the other,
+ * but the last of a stretch waits for the first of the next; so stretches don't depend on each other, no two slabs at work at
+ * the same time have a body in common, and every sum has one order, for any number of threads.
+ *
+ * A body is finished when the slab that it belongs to and the one before are. Most are so as soon as the contacts of their own slab have
+ * passed them by: they move on right behind the contacts, while they are at hand. */
 #include "contact/loop.h"
 #include "contact/rest.h"
 
@@ -85,7 +88,7 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
 
 /* ---- slabs ---- */
 
-enum { STRETCH = 4 }; /* slabs that a thread takes at once; even */
+enum { STRETCH = 4 }; /* slabs in a stretch */
 
 struct slabs {
     struct scree_contacts *contacts;
@@ -98,33 +101,44 @@ struct slabs {
 
 static void act_segment(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
                         const struct scree_batch *batch, const struct scree_part *segment, double step,
-                        struct scree_tally *tally) {
+                        struct scree_tally *tally, struct scree_trail *trail) {
     (void)argument;
     if (contacts->rest.asleep > 0)
         scree_rest_act(contacts, bodies, batch, segment, step, tally);
     else
-        contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally);
+        contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally, trail);
 }
 
-/* The members of a slab have all their impulses: on they go. */
-static void move_slab(const struct slabs *all, int slab, struct scree_tally *tally) {
+/* The members of a slab from place `from` on have all their impulses: on they go. */
+static void move_slab(const struct slabs *all, int slab, int from, struct scree_tally *tally) {
     const int *start = all->bodies->order.start;
-    if (all->go) tally->too_far |= all->contacts->loop->move(all->bodies, start[slab], start[slab + 1], all->go);
+    if (all->go) tally->too_far |= all->contacts->loop->move(all->bodies, from, start[slab + 1], all->go);
+}
+
+/* The last batch with contacts in a slab's segment, after which its bodies have all theirs; -1: none. */
+static int last_batch(const struct scree_contacts *contacts, int slab) {
+    int last = contacts->busy_batches - 1;
+    while (last >= 0 && !contacts->batch[contacts->busy[last]].segment[1 + slab].count) last--;
+    return last;
 }
 
 static void act_slab(const struct slabs *all, int slab) {
     struct scree_contacts *contacts = all->contacts;
     struct scree_tally *tally = &contacts->tally[1 + slab];
+    const int *start = all->bodies->order.start, last = last_batch(contacts, slab);
+    int lends = slab > 0 && slab % STRETCH == 0; /* the slab before has yet to push its bodies */
+    struct scree_trail trail = {all->go, start[slab]};
     *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1, 0};
-    for (int k = 0; k < contacts->busy_batches; k++) {
+    for (int k = 0; k <= last; k++) {
         const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         const struct scree_part *segment = &batch->segment[1 + slab];
-        if (segment->count) all->work(all->argument, contacts, all->bodies, batch, segment, all->step, tally);
+        int follows = k == last && batch->geometry == SCREE_BALL_BALL && all->go && !lends;
+        if (segment->count)
+            all->work(all->argument, contacts, all->bodies, batch, segment, all->step, tally, follows ? &trail : NULL);
     }
-    if (slab == 0) move_slab(all, 0, tally);
-    if (slab % 2 == 0) return;
-    move_slab(all, slab, tally);
-    if (slab + 1 < all->bodies->order.slabs) move_slab(all, slab + 1, tally);
+    if (!lends) move_slab(all, slab, trail.next, tally);
+    if ((slab + 1) % STRETCH == 0 && slab + 1 < all->bodies->order.slabs)
+        move_slab(all, slab + 1, start[slab + 1], tally);
 }
 
 /* What slabs have summed up, in their order. */
@@ -142,24 +156,23 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
     }
 }
 
-/* Slabs of a stretch, whose first is even: each odd one as soon as both its neighbours are done, while their bodies are at hand. The
- * last one, if odd, waits for the neighbour beyond. */
-static void act_stretch(const struct slabs *all, int from, int to) {
-    for (int slab = from; slab < to; slab += 2) {
-        act_slab(all, slab);
-        if (slab > from) act_slab(all, slab - 1);
-    }
+/* Slabs of the stretch that begins with slab `first`, but for one that waits; `behind`: and the one that has waited for the first. */
+static void act_stretch(const struct slabs *all, int first, int behind) {
+    int slabs = all->bodies->order.slabs, next = first + STRETCH, end = next < slabs ? next - 1 : slabs;
+    act_slab(all, first);
+    if (behind && first > 0) act_slab(all, first - 1);
+    for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
 }
 
 static void act_slabs(const struct slabs *all, int threads) {
-    int slabs = all->bodies->order.slabs, stretch = threads > 1 ? STRETCH : SCREE_SLABS;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-    for (int from = 0; from < slabs; from += stretch)
-        act_stretch(all, from, from + stretch < slabs ? from + stretch : slabs);
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-    for (int from = 0; from < slabs; from += stretch) {
-        int last = (from + stretch < slabs ? from + stretch : slabs) - 1;
-        if (last % 2 == 1) act_slab(all, last);
+    int slabs = all->bodies->order.slabs;
+    if (threads > 1) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+        for (int first = 0; first < slabs; first += STRETCH) act_stretch(all, first, 0);
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+        for (int first = STRETCH; first < slabs; first += STRETCH) act_slab(all, first - 1);
+    } else {
+        for (int first = 0; first < slabs; first += STRETCH) act_stretch(all, first, 1);
     }
     add_tallies(all->contacts, all->bodies);
 }

@@ -262,7 +262,7 @@ struct scree_contacts {
     int batches;
     struct scree_batch *batch;
     int *batch_of; /* [rules x SCREE_GEOMETRIES]: index of the batch */
-    int *busy;     /* indices of the batches that hold contacts, in order */
+    int *busy;     /* indices of the batches that hold contacts */
     int busy_batches;
 
     /* What making lists takes; each has one use after the other. First the pairs as they were found, by parts of the bodies;
@@ -454,10 +454,17 @@ scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct
 void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
                             const struct scree_batch *batch, int block);
 
-/* Work off the segments of the slabs, even ones and then odd ones, by as many threads; tallies are added up. */
+/* Members of a slab that may move on behind its contacts, which come by rising place of their first body: from place `next` on, those
+ * before the first body of all contacts to come. Who moves them advances `next`, and need not move all. */
+struct scree_trail {
+    const struct scree_departure *go;
+    int next;
+};
+
+/* Work off the segments of the slabs by as many threads (act.c); tallies are added up. `trail`: NULL where nobody moves. */
 typedef void scree_segment_work(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
                                 const struct scree_batch *batch, const struct scree_part *segment, double step,
-                                struct scree_tally *tally);
+                                struct scree_tally *tally, struct scree_trail *trail);
 void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                              scree_segment_work *work, void *argument);
 

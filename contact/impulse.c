@@ -563,8 +563,9 @@ static void foresee(const struct scree_bodies *now, const struct scree_ends *con
 
 static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
                           const struct scree_batch *batch, const struct scree_part *segment, double step,
-                          struct scree_tally *tally) {
+                          struct scree_tally *tally, struct scree_trail *trail) {
     const struct stride *stride = context;
+    (void)trail; /* moments move them later */
     struct scree_yield yield;
     struct scree_moments moments;
     int hosts = batch->geometry == SCREE_BALL_BALL;

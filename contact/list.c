@@ -238,11 +238,19 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
         take_some(contacts, bodies, order->start[slab], order->start[slab + 1], pass);
 }
 
+/* Batches that hold contacts; those of two balls last, for then bodies can move on behind them (act.c). */
+static void find_busy(struct scree_contacts *contacts) {
+    contacts->busy_batches = 0;
+    for (int balls = 0; balls < 2; balls++)
+        for (int k = 0; k < contacts->batches; k++)
+            if (contacts->batch[k].outer_count && (contacts->batch[k].geometry == SCREE_BALL_BALL) == balls)
+                contacts->busy[contacts->busy_batches++] = k;
+}
+
 /* Room for what was counted; what candidates were found in is free again. */
 static scree_status make_room(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               scree_trouble *trouble) {
     size_t loose = 0, codes = 0;
-    contacts->busy_batches = 0;
     for (int k = 0; k < contacts->batches; k++) {
         struct scree_batch *batch = &contacts->batch[k];
         int own = 0;
@@ -254,8 +262,8 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
         }
         codes += (size_t)own;
         loose += (size_t)batch->segment[0].outer_count;
-        if (batch->outer_count) contacts->busy[contacts->busy_batches++] = k;
     }
+    find_busy(contacts);
     scree_status status =
         scree_make_space(&contacts->listed, loose * sizeof(struct scree_contact) + codes * sizeof(int), trouble);
     struct scree_contact *contact = contacts->listed.memory;

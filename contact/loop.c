@@ -574,40 +574,6 @@ static SCREE_INLINE void call_ahead(const struct scree_batch *batch, int first, 
     if (batch->slides && quarter == 0) call(batch->slides, later, 1);
 }
 
-static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
-                         const struct scree_batch *batch, int first, int count, double step,
-                         struct scree_tally *tally) {
-    struct block b;
-    struct ends ends[2];
-    const struct scree_rule *rule = &contacts->rule[batch->rule];
-    const struct scree_ends *own = batch->ends + first;
-    struct scree_contact contact[SCREE_LANES];
-    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
-    int deeds = deeds_of(batch, rule), turn = 0;
-    find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
-    for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
-        int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
-        int left = count - done - here < SCREE_LANES ? count - done - here : SCREE_LANES;
-        const struct ends *next = &ends[!turn];
-        if (left) find_ends(bodies, own + here, left, &ends[!turn]);
-        call_ahead(batch, first + done, next, left, 0);
-        name_contacts(batch, first + done, here, contact);
-        gather(bodies, contact, &ends[turn], here, batch->geometry, &b);
-        call_ahead(batch, first + done, next, left, 1);
-        press_gathered(contacts, batch, first + done, here, step, &b);
-        call_ahead(batch, first + done, next, left, 2);
-        push(&ends[turn], &b, here, batch, deeds, step);
-        call_ahead(batch, first + done, next, left, 3);
-        note_depths(&b, own, here, tally);
-        if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
-        if (contacts->measured) {
-            struct losses losses = measure_losses(&b, here, step, friction, rolls, snaps);
-            tally->lost_normal += losses.normal;
-            tally->work_tangential += losses.tangential;
-        }
-    }
-}
-
 /* ---- bodies ---- */
 
 enum { FAR = 24 }; /* bodies between one that moves and the one whose state is asked for; records are at hand */
@@ -654,6 +620,51 @@ static int move(struct scree_bodies *bodies, int from, int to, const struct scre
         if (!bodies->calm || !all_sleep(bodies, k, count)) too_far |= move_some(bodies, k, count, go);
     }
     return too_far;
+}
+
+/* ---- one slab ---- */
+
+/* Bodies before place `first` move on, a block of them at a time. Inlined, it would take registers from the contacts. */
+static __attribute__((noinline)) void follow(struct scree_bodies *bodies, int first, struct scree_trail *trail,
+                                             struct scree_tally *tally) {
+    for (; trail->next + SCREE_LANES <= first; trail->next += SCREE_LANES)
+        tally->too_far |= move_some(bodies, trail->next, SCREE_LANES, trail->go);
+}
+
+static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
+                         const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally,
+                         struct scree_trail *trail) {
+    struct block b;
+    struct ends ends[2];
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    const struct scree_ends *own = batch->ends + first;
+    struct scree_contact contact[SCREE_LANES];
+    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
+    int deeds = deeds_of(batch, rule), turn = 0;
+    find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
+    for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
+        int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
+        int left = count - done - here < SCREE_LANES ? count - done - here : SCREE_LANES;
+        const struct ends *next = &ends[!turn];
+        if (left) find_ends(bodies, own + here, left, &ends[!turn]);
+        call_ahead(batch, first + done, next, left, 0);
+        name_contacts(batch, first + done, here, contact);
+        gather(bodies, contact, &ends[turn], here, batch->geometry, &b);
+        call_ahead(batch, first + done, next, left, 1);
+        press_gathered(contacts, batch, first + done, here, step, &b);
+        call_ahead(batch, first + done, next, left, 2);
+        push(&ends[turn], &b, here, batch, deeds, step);
+        call_ahead(batch, first + done, next, left, 3);
+        note_depths(&b, own, here, tally);
+        if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
+        if (contacts->measured) {
+            struct losses losses = measure_losses(&b, here, step, friction, rolls, snaps);
+            tally->lost_normal += losses.normal;
+            tally->work_tangential += losses.tangential;
+        }
+        if (trail && left)
+            follow(bodies, own[here].ball < own[here].host ? own[here].ball : own[here].host, trail, tally);
+    }
 }
 
 #define NAME_OF(loop) #loop

@@ -9,9 +9,10 @@ struct scree_loop {
     /* Contacts first … first + count - 1 (at most SCREE_LANES) of a batch through one step: what they yield. */
     void (*act)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield);
-    /* As many contacts of a slab, added straight to their bodies and to the tally. */
+    /* As many contacts of a slab, added straight to their bodies and to the tally; bodies move on behind them (NULL: none). */
     void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
-                         const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally);
+                         const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally,
+                         struct scree_trail *trail);
     /* Bodies from … to - 1, free or frozen balls, go on (scree_departure). */
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go);
     /* As many contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Bits of those that it

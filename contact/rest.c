@@ -197,7 +197,7 @@ void scree_rest_act(const struct scree_contacts *contacts, struct scree_bodies *
         const int *index = batch->stirring + done;
         int count = segment->stirring_end - done < SCREE_LANES ? segment->stirring_end - done : SCREE_LANES;
         gather(batch, index, count, &g);
-        contacts->loop->act_straight(contacts, bodies, &g.batch, 0, count, step, tally);
+        contacts->loop->act_straight(contacts, bodies, &g.batch, 0, count, step, tally, NULL);
         for (int m = 0; m < SCREE_MEMORY; m++)
             for (int k = 0; batch->keeps[m] && k < count; k++)
                 scree_keep(batch, m, index[k], scree_kept(&g.batch, m, k));
