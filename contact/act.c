@@ -10,6 +10,9 @@
 #include "contact/loop.h"
 #include "contact/rest.h"
 
+#include <sched.h>
+#include <stdatomic.h>
+
 static int contacts_in_block(const struct scree_batch *batch, int block) {
     int left = batch->segment[0].count - block * SCREE_LANES;
     return left < SCREE_LANES ? left : SCREE_LANES;
@@ -88,12 +91,14 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
 
 /* ---- slabs ---- */
 
-enum { STRETCH = 4 }; /* slabs in a stretch */
+/* Slabs in a stretch. Long stretches have more bodies that move on at once; of few slabs they'd keep few threads busy. */
+static int stretch_of(const struct scree_bodies *bodies) { return bodies->order.slabs < 32 ? 2 : 4; }
 
 struct slabs {
     struct scree_contacts *contacts;
     struct scree_bodies *bodies;
     double step;
+    int stretch;              /* slabs in one */
     scree_segment_work *work; /* with its argument */
     void *argument;
     const struct scree_departure *go; /* NULL: bodies stay where they are */
@@ -126,7 +131,7 @@ static void act_slab(const struct slabs *all, int slab) {
     struct scree_contacts *contacts = all->contacts;
     struct scree_tally *tally = &contacts->tally[1 + slab];
     const int *start = all->bodies->order.start, last = last_batch(contacts, slab);
-    int lends = slab > 0 && slab % STRETCH == 0; /* the slab before has yet to push its bodies */
+    int lends = slab > 0 && slab % all->stretch == 0; /* the slab before has yet to push its bodies */
     struct scree_trail trail = {all->go, start[slab]};
     *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1, 0};
     for (int k = 0; k <= last; k++) {
@@ -137,7 +142,7 @@ static void act_slab(const struct slabs *all, int slab) {
             all->work(all->argument, contacts, all->bodies, batch, segment, all->step, tally, follows ? &trail : NULL);
     }
     if (!lends) move_slab(all, slab, trail.next, tally);
-    if ((slab + 1) % STRETCH == 0 && slab + 1 < all->bodies->order.slabs)
+    if ((slab + 1) % all->stretch == 0 && slab + 1 < all->bodies->order.slabs)
         move_slab(all, slab + 1, start[slab + 1], tally);
 }
 
@@ -158,34 +163,46 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
 
 /* Slabs of the stretch that begins with slab `first`, but for one that waits; `behind`: and the one that has waited for the first. */
 static void act_stretch(const struct slabs *all, int first, int behind) {
-    int slabs = all->bodies->order.slabs, next = first + STRETCH, end = next < slabs ? next - 1 : slabs;
+    int slabs = all->bodies->order.slabs, next = first + all->stretch, end = next < slabs ? next - 1 : slabs;
     act_slab(all, first);
-    if (behind && first > 0) act_slab(all, first - 1);
+    if (behind) act_slab(all, first - 1);
     for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
+}
+
+/* By several threads: they take stretches one after the other, and between these, some stretches later, the slabs that waited. So nobody
+ * has to wait long, and what is taken last is small. */
+static void act_shared(const struct slabs *all, int threads) {
+    int slabs = all->bodies->order.slabs, stretches = (slabs + all->stretch - 1) / all->stretch;
+    atomic_char done[SCREE_SLABS] = {0};
+#pragma omp parallel for schedule(monotonic : dynamic) num_threads(threads)
+    for (int turn = 0; turn < 2 * (stretches + threads); turn++) {
+        int own = turn / 2, before = own - threads;
+        if (turn % 2 == 0 && own < stretches) {
+            act_stretch(all, own * all->stretch, 0);
+            atomic_store(&done[own], 1);
+        } else if (turn % 2 == 1 && before > 0 && before < stretches) {
+            while (!atomic_load(&done[before - 1]) || !atomic_load(&done[before])) sched_yield();
+            act_slab(all, before * all->stretch - 1);
+        }
+    }
 }
 
 static void act_slabs(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs;
-    if (threads > 1) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-        for (int first = 0; first < slabs; first += STRETCH) act_stretch(all, first, 0);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-        for (int first = STRETCH; first < slabs; first += STRETCH) act_slab(all, first - 1);
-    } else {
-        for (int first = 0; first < slabs; first += STRETCH) act_stretch(all, first, 1);
-    }
+    if (threads > 1) act_shared(all, threads);
+    for (int first = 0; threads == 1 && first < slabs; first += all->stretch) act_stretch(all, first, first > 0);
     add_tallies(all->contacts, all->bodies);
 }
 
 void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                              scree_segment_work *work, void *argument) {
-    struct slabs all = {contacts, bodies, step, work, argument, NULL};
+    struct slabs all = {contacts, bodies, step, stretch_of(bodies), work, argument, NULL};
     if (bodies->order.slabs) act_slabs(&all, threads);
 }
 
 int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                                 const struct scree_departure *go) {
-    struct slabs all = {contacts, bodies, step, act_segment, NULL, go};
+    struct slabs all = {contacts, bodies, step, stretch_of(bodies), act_segment, NULL, go};
     for (int k = 0; k < contacts->busy_batches; k++)
         act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
     if (bodies->order.slabs) act_slabs(&all, threads);
