@@ -188,9 +188,10 @@ static void act_shared(const struct slabs *all, int threads) {
 }
 
 static void act_slabs(const struct slabs *all, int threads) {
-    int slabs = all->bodies->order.slabs;
-    if (threads > 1) act_shared(all, threads);
-    for (int first = 0; threads == 1 && first < slabs; first += all->stretch) act_stretch(all, first, first > 0);
+    if (threads > 1)
+        act_shared(all, threads);
+    else
+        for (int first = 0; first < all->bodies->order.slabs; first += all->stretch) act_stretch(all, first, first > 0);
     add_tallies(all->contacts, all->bodies);
 }
 

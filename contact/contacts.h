@@ -111,6 +111,7 @@ struct scree_batch {
     struct scree_part *segment; /* SCREE_SEGMENTS of them */
     int count, capacity;        /* near contacts of all segments; places for them, gaps between segments included */
     struct scree_ends *ends;
+    int strays;  /* while lists are made: some contacts of members belong to segment 0 */
     int corners; /* some contacts may have one; of other batches there is no column of them */
     int *corner;
     double *pair[SCREE_PAIR_COLUMNS];

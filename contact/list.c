@@ -87,17 +87,18 @@ static void sort(struct scree_batch *batch) {
         }
 }
 
-/* What is done with a contact that the candidates yield: counted, or put in its place. */
-enum pass { COUNT, FILL };
+/* What is done with contacts that the candidates yield: they are counted, or put in their places; and which are taken: those of slabs,
+ * those of segment 0. */
+enum { FILL = 1, OF_SLABS = 2, LOOSE = 4 };
 
-static void put_code(struct scree_batch *batch, struct scree_part *segment, int code, enum pass pass) {
-    if (pass == FILL) batch->code[segment->codes_first + segment->codes] = code;
+static void put_code(struct scree_batch *batch, struct scree_part *segment, int code, int pass) {
+    if (pass & FILL) batch->code[segment->codes_first + segment->codes] = code;
     segment->codes++;
 }
 
 /* Bodies come in their order, and so do their partners. */
 static void encode(struct scree_batch *batch, struct scree_part *segment, const struct scree_contact *contact,
-                   enum pass pass) {
+                   int pass) {
     int swap = contact->host < contact->ball, first = swap ? contact->host : contact->ball;
     int partner = swap ? contact->ball : contact->host;
     if (segment->last != first) put_code(batch, segment, ~first, pass);
@@ -106,10 +107,15 @@ static void encode(struct scree_batch *batch, struct scree_part *segment, const 
 }
 
 static void take(const struct scree_bodies *bodies, struct scree_batch *batch, const struct scree_contact *contact,
-                 enum pass pass) {
+                 int pass) {
     int s = scree_segment_of(bodies, batch, contact);
     struct scree_part *segment = &batch->segment[s];
-    if (pass == FILL && s == 0) batch->loose[segment->outer_count] = *contact;
+    if (s == 0 && !(pass & LOOSE)) {
+#pragma omp atomic write
+        batch->strays = 1;
+    }
+    if (!(pass & (s > 0 ? OF_SLABS : LOOSE))) return;
+    if (pass & FILL && s == 0) batch->loose[segment->outer_count] = *contact;
     if (s > 0) encode(batch, segment, contact, pass);
     if (!batch->any_turns && scree_contact_turns(batch, contact)) batch->any_turns = 1;
     if (contact->corner != 0) batch->corners = 1; /* of segment 0: in the pass that is nobody else's */
@@ -118,7 +124,7 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
 
 /* The balls of body `ball` that are near body `host`: its corners, or itself; `overlap` of the cores of two boxes. */
 static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int ball, int host, double overlap, enum pass pass) {
+                       const struct scree_rule *rule, int ball, int host, double overlap, int pass) {
     struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
     int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
     int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
@@ -145,14 +151,14 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
 
 /* Corners and edges of two boxes that may touch before the list is made anew. */
 static void take_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int i, int j, enum pass pass) {
+                       const struct scree_rule *rule, int i, int j, int pass) {
     struct scree_batch *batch = scree_batch_for(contacts, rule, SCREE_EDGE_EDGE);
     int swap = bodies->number[i] > bodies->number[j], ball = swap ? j : i, host = swap ? i : j;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
     double overlap = scree_cores_overlap(&boxes), roundings = boxes.rounding_a + boxes.rounding_b;
     double left = scree_left_of(contacts, bodies, ball, host);
     if (-overlap > roundings + left) return;
-    if (pass == COUNT && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
+    if (!(pass & FILL) && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
     take_balls(contacts, bodies, rule, i, j, overlap, pass);
     take_balls(contacts, bodies, rule, j, i, overlap, pass);
     if (rule->corners) return;
@@ -165,7 +171,7 @@ static void take_boxes(struct scree_contacts *contacts, const struct scree_bodie
 
 /* A ball on one image of another: `periods` off; on the other itself if they are none. */
 static void take_image(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int ball, int host, const int periods[3], enum pass pass) {
+                       const struct scree_rule *rule, int ball, int host, const int periods[3], int pass) {
     int off = periods[0] != 0 || periods[1] != 0 || periods[2] != 0;
     struct scree_contact contact = {ball, host, off ? scree_code_of(periods) : 0};
     enum scree_geometry geometry = off ? SCREE_BALL_IMAGE : SCREE_BALL_BALL;
@@ -177,7 +183,7 @@ static void take_image(struct scree_contacts *contacts, const struct scree_bodie
 
 /* A ball on the nearest image of another, and where the box is so small that several are in reach on those too. */
 static void take_images(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                        const struct scree_rule *rule, int ball, int host, enum pass pass) {
+                        const struct scree_rule *rule, int ball, int host, int pass) {
     const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
     double reach = a->radius + b->radius + scree_left_of(contacts, bodies, ball, host);
     int first[3], last[3], periods[3];
@@ -194,8 +200,7 @@ static void take_images(struct scree_contacts *contacts, const struct scree_bodi
                 take_image(contacts, bodies, rule, ball, host, periods, pass);
 }
 
-static void take_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j,
-                      enum pass pass) {
+static void take_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j, int pass) {
     const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, i, j, NULL);
     scree_shape_kind a = scree_kind_of(bodies, i)->shape.kind, b = scree_kind_of(bodies, j)->shape.kind;
     if (bodies->periodic && a == SCREE_SPHERE && b == SCREE_SPHERE) {
@@ -212,30 +217,32 @@ static void take_pair(struct scree_contacts *contacts, const struct scree_bodies
 }
 
 /* Pairs whose first body is at a place from … to - 1. */
-static void take_some(struct scree_contacts *contacts, const struct scree_bodies *bodies, int from, int to,
-                      enum pass pass) {
+static void take_some(struct scree_contacts *contacts, const struct scree_bodies *bodies, int from, int to, int pass) {
     for (int i = from, p = from > 0 ? contacts->end[from - 1] : 0; i < to; i++)
         for (; p < contacts->end[i]; p++) take_pair(contacts, bodies, i, contacts->partner[p], pass);
 }
 
-/* Two members make a contact of the first one's slab, or of segment 0 if they are images: where there are none of these, slabs can be
- * filled at once. */
-static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads, enum pass pass) {
+/* Two members make a contact of the first one's slab, and slabs can be filled at once; or of segment 0, if they are images or, fast as
+ * they are, may meet from slabs that aren't neighbours: those come one after the other. */
+static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads, int pass) {
     const struct scree_order *order = &bodies->order;
-    int members = order->slabs ? order->members : bodies->count;
-    (void)threads; /* without OpenMP */
+    int members = order->slabs ? order->members : bodies->count, shared = threads > 1 && !bodies->periodic, strays = 0;
     for (int b = 0; b < contacts->batches; b++) {
         contacts->batch[b].any_turns = contacts->batch[b].turns;
+        contacts->batch[b].strays = 0;
         for (int s = 0; s <= order->slabs; s++) {
             struct scree_part *segment = &contacts->batch[b].segment[s];
             segment->outer_count = segment->codes = 0;
             segment->last = -1;
         }
     }
-    take_some(contacts, bodies, 0, members, pass);
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1 && !bodies->periodic)
+    take_some(contacts, bodies, 0, members, pass | OF_SLABS | LOOSE);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (shared)
     for (int slab = 0; slab < order->slabs; slab++)
-        take_some(contacts, bodies, order->start[slab], order->start[slab + 1], pass);
+        take_some(contacts, bodies, order->start[slab], order->start[slab + 1],
+                  shared ? pass | OF_SLABS : pass | OF_SLABS | LOOSE);
+    for (int b = 0; b < contacts->batches; b++) strays |= contacts->batch[b].strays;
+    if (strays) take_some(contacts, bodies, members, bodies->count, pass | LOOSE);
 }
 
 /* Batches that hold contacts; those of two balls last, for then bodies can move on behind them (act.c). */
@@ -478,7 +485,7 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     widen_margins(contacts, bodies);
     scree_status status = scree_candidates(contacts, bodies, threads, trouble);
     if (status) return status;
-    take_all(contacts, bodies, threads, COUNT);
+    take_all(contacts, bodies, threads, 0);
     status = make_room(contacts, bodies, trouble);
     if (status) return status;
     take_all(contacts, bodies, threads, FILL);

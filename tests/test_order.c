@@ -209,6 +209,45 @@ static void test_same_bits(const char *const *changes, int count) {
     free(text);
 }
 
+/* Fast balls may meet others from slabs that aren't neighbours. Such contacts belong to segment 0, whoever finds them: it is the same for
+ * any number of threads. */
+static void test_strays(void) {
+    enum { MOST = 4000 };
+    static struct scree_contact alone[MOST];
+    const char *text = "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
+                       "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
+                       "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
+                       "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.011\n"
+                       "jitter = 4e-4\nmin = [0, 0, 0]\nmax = [0.11, 0.11, 1]\ncount = 5000\nmaterial = \"ball\"\n"
+                       "seed = 3\n";
+    scree_scene *scene = scene_from(text, NULL, 0, 1);
+    struct scree_contacts *contacts = &scene->contacts;
+    int members = scene->bodies.order.members, across = scene->bodies.order.axis[0], found = 0, strays = 0;
+    CHECK(scene->bodies.order.slabs > 4);
+    for (int k = members; k < scene->bodies.count; k++) { /* those about the middle line */
+        struct scree_record *record = &scene->bodies.record[k];
+        if (hypot(record->x[0] - 0.055, record->x[1] - 0.055) < 0.016) record->v[across] = 40.0;
+    }
+    for (int turn = 0; turn < 400; turn++) {
+        int same = 0;
+        CHECK(scree_contacts_list(contacts, &scene->bodies, turn == 0 ? 1 : 4, NULL) == SCREE_OK);
+        for (int b = 0; b < contacts->batches; b++) {
+            const struct scree_batch *batch = &contacts->batch[b];
+            for (int k = 0; k < batch->segment[0].outer_count; k++) {
+                const struct scree_contact *one = &batch->loose[k];
+                strays += turn == 0 && one->ball >= members && one->host >= members;
+                if (turn == 0 && found < MOST)
+                    alone[found++] = *one;
+                else
+                    same += same < found && memcmp(one, &alone[same], sizeof *one) == 0;
+            }
+        }
+        CHECK(turn == 0 || same == found);
+    }
+    CHECK(strays > 10);
+    scree_scene_destroy(scene);
+}
+
 /* A run that stops amid its steps leaves the state of that instant, as if its steps had been taken one by one; but positions are reckoned
  * back over half a step, which rounds twice. */
 static void test_stop(void) {
@@ -259,6 +298,7 @@ int main(void) {
     test_reordering();
     test_same_bits(NULL, 0);
     test_same_bits(pair_impulse, 2);
+    test_strays();
     test_stop();
     test_allocations();
     return check_report();
