@@ -110,10 +110,7 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
                  int pass) {
     int s = scree_segment_of(bodies, batch, contact);
     struct scree_part *segment = &batch->segment[s];
-    if (s == 0 && !(pass & LOOSE)) {
-#pragma omp atomic write
-        batch->strays = 1;
-    }
+    if (s == 0 && !(pass & LOOSE)) __atomic_store_n(&batch->strays, 1, __ATOMIC_RELAXED); /* by several threads */
     if (!(pass & (s > 0 ? OF_SLABS : LOOSE))) return;
     if (pass & FILL && s == 0) batch->loose[segment->outer_count] = *contact;
     if (s > 0) encode(batch, segment, contact, pass);
