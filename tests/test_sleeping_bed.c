@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A bed of 1400 balls of 5 mm between walls, with ten boxes on it. From some seeds rattlers keep such a bed awake for seconds; from this
+/* A bed of 1400 balls of 5 mm between walls, with ten boxes on it. From some seeds rattlers keep half of such a bed awake for 0.3 s; from this
  * one it sleeps soon. To be freed. */
 static const char head[] =
     "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 10.0\nstep = 2e-5\n"
