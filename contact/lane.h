@@ -423,6 +423,9 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
     double steps = 4.0 * step * sqrt(stiff);
     steps = steps < 63.0 ? steps : 63.0; /* NaN too */
     m->grid[k] = step / ((1 + (int)steps) * (asked > 0 ? asked : 1));
+    /* What slides keeps its two steps (coarse_at). */
+    int halves = laws.rub && !laws.bare && asked == 0 && m->grid[k] > 0.75 * step && c->slides[k] > 0.0;
+    m->grid[k] = halves ? 0.5 * step : m->grid[k];
     c->odd[k] = 0.0;
     m->pushes[0][k] = m->pushes[1][k] = 0.0;
     if (!laws.cut) return;

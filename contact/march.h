@@ -334,15 +334,20 @@ static void leave(int k, struct march *x) {
     x->c.rest[k] = 0.0;
 }
 
+static SCREE_INLINE int is_near(const struct march *x, int k, int side) {
+    double rest = x->c.rest[k], grid = x->m.grid[k], d = x->c.d[k], u = side * x->c.u[k];
+    double within = side < 0 ? 7.0 * rest : clocked * (rest < grid ? rest : grid);
+    return (rest > 0.0) & (u > 0.0) & (d < within * u);
+}
+
 /* Lanes near the begin of a root of the overlap (side 1), or near its end (-1); left where the laws have no clock. */
 static int lanes_near(const struct smooth_pass *pass, int count, int side, struct march *x, int *near) {
-    int nears = 0;
+    int nears = 0, any = 0;
     if (side < 0 && pass->cut) return 0;
-    for (int k = 0; k < count; k++) {
-        double rest = x->c.rest[k], grid = x->m.grid[k], d = x->c.d[k], u = side * x->c.u[k];
-        double within = side < 0 ? 7.0 * rest : clocked * (rest < grid ? rest : grid);
-        if (rest > 0.0 && u > 0.0 && d < within * u) near[nears++] = k;
-    }
+    _Pragma("omp simd reduction(| : any)")
+    for (int k = 0; k < padded(count); k++) any |= is_near(x, k, side);
+    for (int k = 0; any && k < count; k++)
+        if (is_near(x, k, side)) near[nears++] = k;
     if (pass->ticks) return nears;
     for (int i = 0; i < nears; i++) leave(near[i], x);
     return 0;
