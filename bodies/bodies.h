@@ -231,10 +231,11 @@ scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *
 
 /* As scree_bodies_look_ahead, and bring the shadow `now` to the start of the step. */
 int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
-                           double margin, struct scree_bodies *now);
+                           double margin, struct scree_bodies *now, int threads);
 
 /* Advance by the impulses in the records and their moments, both of which then become past. */
-void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3]);
+void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                                     int threads);
 
 /* Spin (rad/s) that an angular impulse of 1 N m s about each world axis gives a body as its attitude is; columns. */
 struct mat scree_bodies_inverse_inertia(const struct scree_bodies *bodies, int index);

@@ -45,8 +45,12 @@ static void turn_by_moments(struct scree_bodies *bodies, int index, double step)
     quat_store(q, attitude->q);
 }
 
-void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
+enum { FEW = 1000 }; /* bodies for which a team of threads doesn't pay */
+
+void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                                     int threads) {
     drive_to(bodies, time + step);
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && bodies->count > FEW)
     for (int index = 0; index < bodies->count; index++) {
         const struct scree_record *record = &bodies->record[index];
         struct scree_past *past = &bodies->past[index];
@@ -134,8 +138,8 @@ static void prepare_push(const struct scree_bodies *bodies, int index, double st
 }
 
 /* All this for a ball: it starts from its state, gravity is all that is known, its own turning moves no surface. */
-static void look_ball(const struct scree_bodies *bodies, int index, double step, const double gravity[3], double fall,
-                      struct scree_record *now) {
+static void look_at_ball(const struct scree_bodies *bodies, int index, double step, const double gravity[3],
+                         double fall, struct scree_record *now) {
     const struct scree_record *record = &bodies->record[index];
     const struct scree_state *state = &bodies->state[index];
     const struct scree_past *past = &bodies->past[index];
@@ -162,17 +166,13 @@ static void look_ball(const struct scree_bodies *bodies, int index, double step,
     memcpy(bodies->past[index].known, gravity, sizeof past->known);
 }
 
-int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
-                           double margin, struct scree_bodies *now) {
-    double fall = vec_norm(vec_from(gravity));
+/* Bodies that aren't balls. */
+static int look_at_others(struct scree_bodies *bodies, double time, double step, const double gravity[3], double margin,
+                          struct scree_bodies *now) {
     int too_far = 0;
-    now->push = bodies->push;
     drive_to(bodies, time + step);
     for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] == SCREE_CLASS_BALL) {
-            look_ball(bodies, k, step, gravity, fall, &now->record[k]);
-            continue;
-        }
+        if (bodies->class[k] == SCREE_CLASS_BALL) continue;
         scree_body_look_now(bodies, k, time, now);
         if (bodies->class[k] == SCREE_CLASS_FIXED) { /* another order may have put it in the place of a ball */
             bodies->push[k] = (struct scree_push){{0.0}, {0.0}, {0.0}, {0.0}, {0.0}};
@@ -184,17 +184,27 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
         memset(bodies->past[k].turn_moment, 0, sizeof bodies->past[k].turn_moment);
     }
     drive_to(bodies, time + 0.5 * step);
-    for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square =
-                scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
-                                      scree_row_of(gravity));
-            too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
-        } else {
-            too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);
-        }
-    }
+    for (int k = 0; k < bodies->count; k++)
+        if (bodies->class[k] != SCREE_CLASS_BALL) too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);
     return too_far;
+}
+
+int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+                           double margin, struct scree_bodies *now, int threads) {
+    double fall = vec_norm(vec_from(gravity));
+    int too_far = 0;
+    now->push = bodies->push;
+#pragma omp parallel for schedule(static) num_threads(threads)                                                         \
+    reduction(|                                                                                                        \
+              : too_far) if (threads > 1 && bodies->count > FEW)
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] != SCREE_CLASS_BALL) continue;
+        look_at_ball(bodies, k, step, gravity, fall, &now->record[k]);
+        double square = scree_ball_look_ahead(
+            &bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step, scree_row_of(gravity));
+        too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
+    }
+    return too_far | look_at_others(bodies, time, step, gravity, margin, now);
 }
 
 struct mat scree_bodies_inverse_inertia(const struct scree_bodies *bodies, int index) {

@@ -115,13 +115,14 @@ static scree_status step_by_impulses(scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step, gravity[3];
     scree_gravity_at(scene, time + 0.5 * step, gravity);
-    if (scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow)) {
+    if (scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow,
+                               threads_of(scene))) {
         scree_status status = renew_list(scene, &scene->shadow); /* the others' speeds are guesses */
         if (status) return status;
     }
     scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, threads_of(scene));
     if (scene->time.energy) book_drives(scene, time);
-    scree_bodies_advance_by_moments(bodies, time, step, gravity);
+    scree_bodies_advance_by_moments(bodies, time, step, gravity, threads_of(scene));
     scene->steps++;
     return scree_check_depth(scene, scree_scene_time(scene));
 }
