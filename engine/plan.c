@@ -1,494 +1,15 @@
-/* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses; and the step is
- * chosen from the stiffest contact that can happen. */
+/* Baking: the scene is checked as a whole and turned into a plan, with just the stages that it uses. */
+#include "engine/plan.h"
 #include "contact/grip.h"
 #include "contact/meet.h"
 #include "contact/rest.h"
 #include "engine/hash.h"
-#include "engine/scene.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps per duration of the shortest contact that step = "auto" asks for, and the share of the stability limit that
- * it never exceeds: of a lone pair with Verlet, of a body among twelve others with pair impulses. */
-static const double steps_per_contact = 50.0, share_of_limit = 0.2, share_of_impulse_limit = 0.5;
 static const double pi = 3.14159265358979323846;
-
-enum { few_spheres = 1000 };
-
-/* Time of a step of pair impulses over that of a Verlet step, without and with friction, for choosing between them: of impacts 3.2
- * to 4.3 and 5 to 8, of a box that slides 16 (scree-bench precision, data/bench/precision.csv). */
-static const double cost_of_impulses[2] = {3.5, 10.0};
-
-/* ---- how soft bodies are ---- */
-
-/* Softness of a box under springs at the four corners of a face, 1/kg summed over the corners: the largest eigenvalue of
- * its motions, which is at least that of one corner alone. Along the normal the box heaves, pitches and rolls, sideways it
- * slides (and tilts with it) or yaws; by symmetry these don't mix, so the largest of them counts. */
-static double box_softness(const struct scree_bodies *bodies, int k, int tangential) {
-    const struct scree_inertia *inertia = &scree_kind_of(bodies, k)->inertia;
-    const double *half = scree_attitude_of(bodies, k)->half, *w = inertia->inverse_moments;
-    double centre = bodies->record[k].inverse_mass, softest = 0.0, a2[3];
-    for (int axis = 0; axis < 3; axis++) a2[axis] = half[axis] * half[axis];
-    for (int axis = 0; axis < 3; axis++) {
-        int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        double normal = fmax(centre, fmax(a2[v] * w[u], a2[u] * w[v]));
-        double slide = centre + a2[axis] * fmax(w[u], w[v]), yaw = (a2[u] + a2[v]) * w[axis];
-        softest = fmax(softest, 4.0 * (tangential ? fmax(slide, yaw) : normal));
-    }
-    double corner = centre + (a2[0] + a2[1] + a2[2]) * fmax(w[0], fmax(w[1], w[2]));
-    return fmax(softest, corner);
-}
-
-/* Velocity per unit of force that a contact with body k sees from it, 1/kg. */
-static double softness(const struct scree_bodies *bodies, int k, int tangential) {
-    if (scree_kind_of(bodies, k)->shape.kind == SCREE_BOX &&
-        bodies->record[k].inverse_mass + scree_kind_of(bodies, k)->inertia.inverse_moments[0] > 0)
-        return box_softness(bodies, k, tangential);
-    double centre = bodies->record[k].inverse_mass, radius = bodies->record[k].radius;
-    return tangential ? centre + radius * radius * scree_kind_of(bodies, k)->inertia.inverse_moments[0] : centre;
-}
-
-/* ---- species: bodies that meet others alike ---- */
-
-/* What makes a body the hardest of its species to follow, in one contact law or another. */
-enum merit { LIGHTEST, SOFTEST, SOFTEST_SIDEWAYS, ROUNDEST, MERITS };
-
-/* Bodies of one material, shape kind and mobility. */
-struct species {
-    long count;
-    int pick[MERITS][2];              /* the first and the second by each merit; -1 if there is none */
-    int standing, stands[2 * MERITS]; /* the same without repetition: they stand for all */
-    int sharp;                        /* a box without rounding; -1: none */
-};
-
-static double merit_of(const struct scree_bodies *bodies, int k, enum merit merit) {
-    if (merit == LIGHTEST) return bodies->record[k].inverse_mass;
-    if (merit == ROUNDEST) return bodies->record[k].radius;
-    return softness(bodies, k, merit == SOFTEST_SIDEWAYS);
-}
-
-static void enter(const struct scree_bodies *bodies, int k, enum merit merit, int pick[2]) {
-    double value = merit_of(bodies, k, merit);
-    if (pick[0] < 0 || value > merit_of(bodies, pick[0], merit)) {
-        pick[1] = pick[0];
-        pick[0] = k;
-    } else if (pick[1] < 0 || value > merit_of(bodies, pick[1], merit)) {
-        pick[1] = k;
-    }
-}
-
-static void list_picks(struct species *species) {
-    for (int p = 0; p < 2 * MERITS; p++) {
-        int body = species->pick[p / 2][p % 2], known = body < 0;
-        for (int k = 0; k < species->standing; k++) known |= species->stands[k] == body;
-        if (!known) species->stands[species->standing++] = body;
-    }
-}
-
-static int species_count(const struct scree_scene *scene) { return scene->materials * SCREE_SHAPE_KINDS * 2; }
-
-/* The table of species, to be freed; NULL if there is no memory. */
-static struct species *sort_into_species(const struct scree_scene *scene) {
-    const struct scree_bodies *bodies = &scene->bodies;
-    struct species *species = calloc((size_t)species_count(scene), sizeof *species);
-    if (!species) return NULL;
-    for (int s = 0; s < species_count(scene); s++) {
-        memset(species[s].pick, -1, sizeof species[s].pick);
-        species[s].sharp = -1;
-    }
-    for (int k = 0; k < bodies->count; k++) {
-        int index = scree_kind_of(bodies, k)->material * SCREE_SHAPE_KINDS + (int)scree_kind_of(bodies, k)->shape.kind;
-        struct species *s = &species[2 * index + scree_joint_can_move(&scree_kind_of(bodies, k)->joint)];
-        for (int merit = 0; merit < MERITS; merit++) enter(bodies, k, (enum merit)merit, s->pick[merit]);
-        s->count++;
-        if (scree_kind_of(bodies, k)->shape.kind == SCREE_BOX && bodies->record[k].radius == 0.0) s->sharp = k;
-    }
-    for (int s = 0; s < species_count(scene); s++) list_picks(&species[s]);
-    return species;
-}
-
-/* ---- the step ---- */
-
-/* Overlap at which the elastic energy of a contact equals m v^2/2; NAN for m = 0. */
-static double deepest_overlap(const struct scree_normal_law *law, const struct scree_law_constants *constants,
-                              struct scree_pair_constants pair, double mass, double speed) {
-    double energy = 0.5 * mass * speed * speed, low = 0.0, high = 1e-9;
-    while (law->stored(constants, pair, (struct scree_pressing){.overlap = high}) < energy && high < 1e6) high *= 2.0;
-    for (int k = 0; k < 60; k++) {
-        double middle = 0.5 * (low + high);
-        if (law->stored(constants, pair, (struct scree_pressing){.overlap = middle}) < energy)
-            low = middle;
-        else
-            high = middle;
-    }
-    return high;
-}
-
-double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j) {
-    int balls =
-        (scree_kind_of(bodies, i)->shape.kind == SCREE_SPHERE) + (scree_kind_of(bodies, j)->shape.kind == SCREE_SPHERE);
-    if (balls == 2) return scree_effective_radius(bodies, i, j, SCREE_BALL_BALL);
-    if (balls == 1) return bodies->record[scree_kind_of(bodies, i)->shape.kind == SCREE_SPHERE ? i : j].radius;
-    return fmax(bodies->record[i].radius, bodies->record[j].radius);
-}
-
-struct pair_rates {
-    double stiffness;     /* largest eigenvalue of M^-1 K, 1/s^2 */
-    double damping;       /* of M^-1 C, 1/s */
-    double friction_ramp; /* of the ramp of a velocity-regularised friction law under the pair's own weight, 1/s */
-    double reach;         /* of the normal law beyond touch, m */
-    double stretch_step;  /* s: beyond it a stretched spring of friction or rolling gains energy */
-};
-
-static double weight_on(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j) {
-    return vec_norm(vec_from(scene->gravity.vector)) * scree_effective_mass(&scene->bodies, i, j) / rule->share;
-}
-
-static struct pair_rates friction_rates(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
-                                        double mass, double radius, double overlap) {
-    const struct scree_friction_law *law = scree_friction_laws[rule->friction];
-    const struct scree_law_constants *constants = &rule->friction_constants;
-    double tangential = softness(&scene->bodies, i, 1) + softness(&scene->bodies, j, 1);
-    struct scree_pair_constants pair = {{0.0}};
-    if (law->pair) pair = law->pair(constants, mass, radius);
-    return (struct pair_rates){law->stiffness(constants, pair, overlap) * tangential,
-                               law->damping(constants, pair, overlap) * tangential,
-                               law->slope(constants) * weight_on(scene, rule, i, j) * tangential, 0.0, HUGE_VAL};
-}
-
-/* Rolling and sliding of one pair share the spins: the largest eigenvalue is at most the sum of those of each alone. */
-static void add_rolling_rates(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
-                              double radius, struct pair_rates *rates) {
-    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
-    const struct scree_law_constants *constants = &rule->rolling_constants;
-    double turning = 0.0;
-    for (int side = 0; side < 2; side++) {
-        const double *w = scree_kind_of(&scene->bodies, side ? j : i)->inertia.inverse_moments;
-        turning += radius * radius * fmax(w[0], fmax(w[1], w[2]));
-    }
-    rates->stiffness += law->stiffness(constants) * turning;
-    rates->damping += law->damping(constants) * turning;
-    rates->friction_ramp += law->slope(constants) * weight_on(scene, rule, i, j) * turning;
-}
-
-/* Stretches are summed up from predicted velocities, which makes the characteristic polynomial
- * (l - 1)^2 (l + h C/2 - h^2 K/4) + h^2 K l^2 + h C l (l - 1): a swing grows by (h^2 K)^2/8 - h C/2 a step, without damping at any
- * step (2e-6 where the step is 1/50 of a contact). The step at which that is 0.2 %. */
-static double stretch_step(struct pair_rates sideways) {
-    double k = sideways.stiffness, c = sideways.damping, low = 0.0, high = k > 0.0 ? 2.0 / sqrt(k) : HUGE_VAL;
-    if (!(k > 0.0) || 2.0 - 0.5 * high * c < 2e-3) return HUGE_VAL; /* the limit of every spring is lower */
-    for (int n = 0; n < 60; n++) {
-        double middle = 0.5 * (low + high), square = middle * middle * k;
-        if (square * square / 8.0 - 0.5 * middle * c < 2e-3)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-static struct pair_rates rates_of(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j,
-                                  double speed) {
-    const struct scree_bodies *bodies = &scene->bodies;
-    const struct scree_normal_law *law = scree_normal_laws[rule->normal];
-    double normal = softness(bodies, i, 0) + softness(bodies, j, 0);
-    double mass = scree_effective_mass(bodies, i, j) / rule->share;
-    if (mass == 0.0) mass = 1.0 / normal; /* bodies that only turn */
-    double radius = scree_radius_of_pair(bodies, i, j);
-    struct scree_pair_constants pair = law->pair(&rule->normal_constants, mass, radius);
-    double overlap = deepest_overlap(law, &rule->normal_constants, pair, mass, speed);
-    struct scree_normal_force at =
-        law->force(&rule->normal_constants, pair, (struct scree_pressing){overlap, speed, 0.0, 0.0});
-    /* With the memory of that overlap: some laws are much stiffer on the way back. */
-    struct scree_normal_force less =
-        law->force(&rule->normal_constants, pair, (struct scree_pressing){0.999 * overlap, speed, at.first, at.second});
-    double stiffness = (at.elastic - less.elastic) / (0.001 * overlap);
-    struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0, 0.0, HUGE_VAL};
-    struct pair_rates sideways = {0.0, 0.0, 0.0, 0.0, HUGE_VAL};
-    if (law->reach) rates.reach = law->reach(&rule->normal_constants, pair);
-    if (rule->friction >= 0) sideways = friction_rates(scene, rule, i, j, mass, radius, overlap);
-    if (rule->rolling >= 0) add_rolling_rates(scene, rule, i, j, radius, &sideways);
-    rates.stretch_step = stretch_step(sideways);
-    rates.stiffness = fmax(rates.stiffness, sideways.stiffness);
-    rates.damping = fmax(rates.damping, sideways.damping);
-    rates.friction_ramp = sideways.friction_ramp;
-    return rates;
-}
-
-/* Step at which h^2 K + 4 h C = 4: beyond it position Verlet with predicted velocities is unstable. From the
- * scheme's characteristic polynomial l^3 - 2 l^2 + l + h^2 K l^2 + h C (3 l^2 - 4 l + 1)/2 at l = -1, which is
- * where the first root leaves the unit circle (the other Jury conditions are weaker). */
-static double stable_step(struct pair_rates rates) {
-    double c = rates.damping + rates.friction_ramp, k = rates.stiffness;
-    double root = 2.0 * c + sqrt(4.0 * c * c + 4.0 * k);
-    return root > 0.0 ? 4.0 / root : HUGE_VAL;
-}
-
-/* The same for pair impulses, 1/h as a broken line over w = sqrt(K) and C below which no block of spheres with 12 neighbours
- * each grew, whatever its damping ratio; the others' extrapolated forces set it, not the pair's own motion. */
-static double stable_impulse_step(struct pair_rates rates) {
-    double c = rates.damping + rates.friction_ramp, w = sqrt(rates.stiffness);
-    double rate = fmax(fmin(1.2 * w + 3.25 * c, 2.05 * w + 1.125 * c), 2.15 * c);
-    return rate > 0.0 ? 1.0 / rate : HUGE_VAL;
-}
-
-/* Height that a body could fall through: from the highest to the lowest along gravity. */
-static double fall_height(const struct scree_scene *scene) {
-    struct vec g = vec_from(scene->gravity.vector);
-    double size = vec_norm(g), low = HUGE_VAL, high = -HUGE_VAL;
-    for (int k = 0; size > 0.0 && k < scene->bodies.count; k++) {
-        double height = -vec_dot(g, vec_from(scene->bodies.position[k])) / size;
-        low = fmin(low, height);
-        high = fmax(high, height);
-    }
-    return high > low ? high - low : 0.0;
-}
-
-static double fastest_motion(const struct scree_motion *motion) {
-    double fastest = 0.0;
-    for (int k = 0; k < motion->count; k++) {
-        double start = motion->pieces[k].start;
-        double end = k + 1 < motion->count ? motion->pieces[k + 1].start : start + 1.0;
-        for (int part = 0; part < 32; part++)
-            fastest = fmax(fastest, fabs(scree_motion_at(motion, start + (end - start) * part / 32.0).velocity));
-    }
-    return fastest;
-}
-
-/* Largest impact speed to reckon with: what the bodies and the drives have, and what a fall adds. */
-static double estimate_speed(const struct scree_scene *scene) {
-    const struct scree_bodies *bodies = &scene->bodies;
-    double fastest = 0.0, driven = 0.0;
-    for (int k = 0; k < bodies->count; k++) {
-        double spin = vec_norm(scree_bodies_spin(bodies, k, 0.0));
-        double reach = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE ? 0.0 : bodies->record[k].bound;
-        fastest = fmax(fastest, vec_norm(vec_from(bodies->state[k].v)) + spin * reach);
-        for (int axis = 0; axis < 3; axis++)
-            if (scree_kind_of(bodies, k)->joint.along[axis] == SCREE_DRIVEN)
-                driven =
-                    fmax(driven, fastest_motion(&bodies->motion[scree_kind_of(bodies, k)->joint.along_motion[axis]]));
-        if (scree_kind_of(bodies, k)->joint.turn == SCREE_DRIVEN)
-            driven = fmax(driven, reach * fastest_motion(&bodies->motion[scree_kind_of(bodies, k)->joint.turn_motion]));
-    }
-    double fall = sqrt(2.0 * vec_norm(vec_from(scene->gravity.vector)) * fall_height(scene));
-    double speed = fastest + driven + fall;
-    return speed > 0.0 ? speed : 1.0;
-}
-
-static void note_pair(double value, int i, int j, double *least, int pair[2]) {
-    if (!(value < *least)) return;
-    *least = value;
-    pair[0] = i;
-    pair[1] = j;
-}
-
-/* The pair of its rule that trial impacts stand for: the one with the shortest contact. The sphere has the mass with which corners
- * that share a load, or one alone, meet; the laws take their constants from that of the bodies, as ever. */
-static void note_trial(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j, double duration) {
-    struct scree_rule_trial *trial = &scene->plan.trial[rule - scene->contacts.rule];
-    const struct scree_bodies *bodies = &scene->bodies;
-    if (trial->pair[0] >= 0 && !(duration < trial->duration)) return;
-    double lightest = 1.0 / (softness(bodies, i, 0) + softness(bodies, j, 0));
-    double mass = scree_effective_mass(bodies, i, j) / rule->share, radius = scree_radius_of_pair(bodies, i, j);
-    double half = fmin(scree_shape_half_width(&scree_kind_of(bodies, i)->shape),
-                       scree_shape_half_width(&scree_kind_of(bodies, j)->shape));
-    if (mass == 0.0) mass = lightest;   /* bodies that only turn */
-    if (!(radius > 0.0)) radius = half; /* sharp corners */
-    *trial = (struct scree_rule_trial){
-        .pair = {i, j},
-        .duration = duration,
-        .impact = {.rule = rule, .mass = fmin(lightest, mass), .law_mass = mass, .radius = radius}};
-}
-
-/* Let the contact of bodies i and j count. */
-static void limit_by(const struct scree_scene *scene, int i, int j, struct scree_step_choice *choice) {
-    const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, &scene->bodies, i, j, NULL);
-    if (!rule) return;
-    struct pair_rates rates = rates_of(scene, rule, i, j, choice->speed);
-    int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE;
-    double stable = impulses ? stable_impulse_step(rates) : stable_step(rates);
-    note_pair(fmin(stable, rates.stretch_step), i, j, &choice->limit, choice->limit_pair);
-    note_pair(pi / sqrt(rates.stiffness), i, j, &choice->duration, choice->shortest_pair);
-    choice->reach = fmax(choice->reach, rates.reach);
-    if (scene->plan.trial) note_trial(scene, rule, i, j, pi / sqrt(rates.stiffness));
-}
-
-static void find_limits(const struct scree_scene *scene, const struct species *species,
-                        struct scree_step_choice *choice) {
-    choice->limit = choice->duration = HUGE_VAL;
-    choice->reach = 0.0;
-    choice->limit_pair[0] = choice->limit_pair[1] = choice->shortest_pair[0] = choice->shortest_pair[1] = -1;
-    for (int s = 0; s < species_count(scene); s++)
-        for (int t = s; t < species_count(scene); t++)
-            for (int a = 0; a < species[s].standing; a++)
-                for (int b = s == t ? a + 1 : 0; b < species[t].standing; b++)
-                    limit_by(scene, species[s].stands[a], species[t].stands[b], choice);
-}
-
-/* ---- the step by accuracy ---- */
-
-static scree_status prepare_trials(struct scree_scene *scene) {
-    for (int k = 0; k < scene->contacts.rules; k++) {
-        struct scree_rule_trial *trial = &scene->plan.trial[k];
-        if (trial->pair[0] < 0) continue;
-        trial->impact.speed = scene->plan.choice.speed;
-        scree_status status = scree_trial_prepare(&trial->impact, &scene->trouble);
-        if (status) return status;
-    }
-    return SCREE_OK;
-}
-
-/* The rule that keeps farthest from the accuracy with this integrator; NULL: all reach it. */
-static const struct scree_rule_trial *farthest(const struct scree_scene *scene, scree_integrator integrator) {
-    const struct scree_rule_trial *worst = NULL;
-    for (int k = 0; k < scene->contacts.rules; k++) {
-        const struct scree_rule_trial *trial = &scene->plan.trial[k];
-        if (trial->pair[0] < 0 || trial->impact.stays || trial->result[integrator].reached) continue;
-        if (!worst || trial->result[integrator].error > worst->result[integrator].error) worst = trial;
-    }
-    return worst;
-}
-
-/* The longest step with which the scene's integrator is accurate enough, s; where bodies stay together, that of step = "auto". */
-static scree_status find_accurate(struct scree_scene *scene) {
-    const struct scree_time_def *time = &scene->time;
-    scene->plan.choice.accurate = HUGE_VAL;
-    for (int k = 0; k < scene->contacts.rules; k++) {
-        struct scree_rule_trial *trial = &scene->plan.trial[k];
-        struct scree_trial_result *result = &trial->result[time->integrator];
-        if (trial->pair[0] < 0) continue;
-        int substeps = time->integrator == SCREE_PAIR_IMPULSE ? time->substeps : 0;
-        double step = trial->duration / steps_per_contact;
-        if (!trial->impact.stays) {
-            scree_status status =
-                scree_trial_search(&trial->impact, time->integrator, substeps, time->accuracy, result, &scene->trouble);
-            if (status) return status;
-            step = result->step;
-        }
-        scene->plan.choice.accurate = fmin(scene->plan.choice.accurate, step);
-    }
-    return SCREE_OK;
-}
-
-static double stable_share(const struct scree_scene *scene) {
-    double share = scene->time.integrator == SCREE_PAIR_IMPULSE ? share_of_impulse_limit : share_of_limit;
-    return share * scene->plan.choice.limit;
-}
-
-/* Few spheres: each impact counts, and pair impulses give it more digits for the time it takes. Many, in steady contact, are computed
- * for their mean, which Verlet gets faster; boxes keep more of their energy with it (data/bench/collide.csv). */
-static scree_integrator integrator_for(const struct scree_scene *scene) {
-    const struct scree_bodies *bodies = &scene->bodies;
-    int boxes = 0;
-    for (int k = 0; k < bodies->count; k++) {
-        const struct scree_kind *kind = scree_kind_of(bodies, k);
-        boxes |= scree_joint_can_move(&kind->joint) && kind->shape.kind != SCREE_SPHERE;
-    }
-    return !boxes && scene->plan.free <= few_spheres ? SCREE_PAIR_IMPULSE : SCREE_VERLET;
-}
-
-/* Time per simulated second with the scene's integrator, in Verlet steps. */
-static double cost_of_run(const struct scree_scene *scene) {
-    double step = fmin(scene->plan.choice.accurate, stable_share(scene));
-    int friction = 0;
-    for (int k = 0; k < scene->contacts.rules; k++) friction |= scene->contacts.rule[k].friction >= 0;
-    return (scene->time.integrator == SCREE_PAIR_IMPULSE ? cost_of_impulses[friction] : 1.0) / step;
-}
-
-static scree_status out_of_reach(struct scree_scene *scene) {
-    int impulses = scene->plan.any_integrator || scene->time.integrator == SCREE_PAIR_IMPULSE;
-    scree_integrator integrator = impulses ? SCREE_PAIR_IMPULSE : SCREE_VERLET;
-    const struct scree_rule_trial *worst = farthest(scene, integrator);
-    const struct scree_trial_result *result = &worst->result[integrator];
-    return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
-                        "an accuracy of %g can't be reached with the integrator %s: an impact of \"%s\" with \"%s\" at "
-                        "%g m/s comes out within %.2g of its speed at %.0f steps per contact; ask for less%s",
-                        scene->time.accuracy, impulses ? "pair-impulse" : "verlet",
-                        scree_name_of(scene, worst->pair[0]).text, scree_name_of(scene, worst->pair[1]).text,
-                        scene->plan.choice.speed, result->error, result->per_contact,
-                        !impulses                    ? ", or take integrator = \"pair-impulse\""
-                        : scene->plan.any_integrator ? ""
-                        : scene->time.substeps < 4   ? ", or take substeps = 4"
-                                                     : "");
-}
-
-/* Let trial impacts say how long a step may be, and which integrator is the cheaper if none is given. */
-static scree_status choose_by_accuracy(struct scree_scene *scene, const struct species *species) {
-    struct scree_step_choice *choice = &scene->plan.choice, best = {0};
-    static const scree_integrator integrators[] = {SCREE_VERLET, SCREE_PAIR_IMPULSE};
-    scree_integrator wanted = scene->time.integrator, taken = wanted;
-    double least = HUGE_VAL;
-    int found = 0;
-    scree_status status = prepare_trials(scene);
-    for (int k = 0; k < 2 && !status; k++) {
-        if (!scene->plan.any_integrator && integrators[k] != wanted) continue;
-        scene->time.integrator = integrators[k];
-        find_limits(scene, species, choice);
-        status = find_accurate(scene);
-        double cost = cost_of_run(scene);
-        if (farthest(scene, integrators[k]) || (found && !(cost < least))) continue;
-        least = cost;
-        best = *choice;
-        taken = integrators[k];
-        found = 1;
-    }
-    scene->time.integrator = taken;
-    if (status) return status;
-    if (!found) return out_of_reach(scene);
-    *choice = best;
-    return SCREE_OK;
-}
-
-/* Room for the trials of all rules. */
-static scree_status make_trials(struct scree_scene *scene) {
-    struct scree_rule_trial *trial = calloc((size_t)scene->contacts.rules + 1, sizeof *trial);
-    if (!trial) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for trial impacts");
-    for (int k = 0; k < scene->contacts.rules; k++) trial[k].pair[0] = -1;
-    scene->plan.trial = trial;
-    return SCREE_OK;
-}
-
-static double automatic_step(struct scree_scene *scene) {
-    const struct scree_time_def *time = &scene->time;
-    struct scree_step_choice *choice = &scene->plan.choice;
-    double step = time->accuracy > 0.0 ? choice->accurate : choice->duration / steps_per_contact;
-    double most = stable_share(scene);
-    choice->bound_by_damping = most < step;
-    if (choice->bound_by_damping) step = most;
-    if (!(step < HUGE_VAL)) step = time->divide > 0.0 ? time->divide / 100.0 : 1e-3; /* nothing can touch */
-    if (time->divide > 0.0) step = time->divide / ceil(time->divide / step);
-    return step;
-}
-
-static scree_status choose_step(struct scree_scene *scene, const struct species *species) {
-    struct scree_step_choice *choice = &scene->plan.choice;
-    const struct scree_time_def *time = &scene->time;
-    scene->plan.any_integrator = time->integrator == SCREE_ANY_INTEGRATOR;
-    if (scene->plan.any_integrator)
-        scene->time.integrator = scene->time.sleep > 0.0 ? SCREE_VERLET : integrator_for(scene);
-    choice->speed_given = time->speed > 0.0;
-    choice->speed = choice->speed_given ? time->speed : estimate_speed(scene);
-    scree_status status = time->accuracy > 0.0 ? make_trials(scene) : SCREE_OK;
-    if (status) return status;
-    find_limits(scene, species, choice);
-    if (time->accuracy > 0.0) status = choose_by_accuracy(scene, species);
-    if (status) return status;
-    choice->automatic = time->step == 0.0;
-    choice->step = choice->automatic ? automatic_step(scene) : time->step;
-    int adaptive = time->integrator == SCREE_ADAPTIVE;
-    if (adaptive && choice->automatic) choice->step = time->divide > 0.0 ? time->divide : 1e-3;
-    scene->step = choice->step;
-    if (adaptive) return SCREE_OK; /* its own steps are as small as they must be */
-    if (choice->step <= choice->limit || time->force) return SCREE_OK;
-    return scree_report(
-        &scene->trouble, SCREE_BAD_INPUT, "step",
-        "a step of %g s is beyond the stability limit of the stiffest contact, %g s (\"%s\" with \"%s\" at "
-        "%g m/s); take a smaller one or step = \"auto\", or set force = true",
-        choice->step, choice->limit, scree_name_of(scene, choice->limit_pair[0]).text,
-        scree_name_of(scene, choice->limit_pair[1]).text, choice->speed);
-}
 
 /* ---- bodies and contacts ---- */
 
@@ -548,14 +69,14 @@ static void count_bodies(struct scree_scene *scene) {
 
 /* Sort all pairs of bodies, species by species, into those that can meet and those that can't; fails on a pair that could
  * meet without a rule. */
-static scree_status check_pairs(struct scree_scene *scene, const struct species *species) {
+static scree_status check_pairs(struct scree_scene *scene, const struct scree_species *species) {
     struct scree_scene_plan *plan = &scene->plan;
     const struct scree_bodies *bodies = &scene->bodies;
-    for (int s = 0; s < species_count(scene); s++) {
-        for (int t = s; t < species_count(scene); t++) {
+    for (int s = 0; s < scree_species_count(scene); s++) {
+        for (int t = s; t < scree_species_count(scene); t++) {
             long pairs = s == t ? species[s].count * (species[s].count - 1) / 2 : species[s].count * species[t].count;
             if (pairs == 0) continue;
-            int i = species[s].pick[LIGHTEST][0], j = species[t].pick[LIGHTEST][s == t], missing = 0;
+            int i = species[s].pick[SCREE_LIGHTEST][0], j = species[t].pick[SCREE_LIGHTEST][s == t], missing = 0;
             int still = !scree_joint_can_move(&scree_kind_of(bodies, i)->joint) &&
                         !scree_joint_can_move(&scree_kind_of(bodies, j)->joint);
             const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, &missing);
@@ -585,10 +106,10 @@ static scree_status check_pairs(struct scree_scene *scene, const struct species 
 }
 
 /* Sharp corners have no radius that a law could use, as Hertz's stiffness does. */
-static scree_status check_sharp(struct scree_scene *scene, const struct species *species) {
+static scree_status check_sharp(struct scree_scene *scene, const struct scree_species *species) {
     const struct scree_bodies *bodies = &scene->bodies;
-    for (int s = 0; s < species_count(scene); s++) {
-        for (int t = 0; t < species_count(scene); t++) {
+    for (int s = 0; s < scree_species_count(scene); s++) {
+        for (int t = 0; t < scree_species_count(scene); t++) {
             int i = species[s].sharp, j = species[t].count ? species[t].stands[0] : -1;
             if (j == i && j >= 0) j = species[t].standing > 1 ? species[t].stands[1] : -1;
             if (i < 0 || j < 0 || scree_kind_of(bodies, j)->shape.kind == SCREE_SPHERE) continue;
@@ -698,12 +219,12 @@ static scree_status check_start_overlaps(struct scree_scene *scene) {
 }
 
 static scree_status plan_pairs_and_step(struct scree_scene *scene) {
-    struct species *species = sort_into_species(scene);
+    struct scree_species *species = scree_sort_into_species(scene);
     if (!species) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the plan");
     scree_status status = check_pairs(scene, species);
     if (!status) status = check_sharp(scene, species);
     if (!status) status = check_turning(scene);
-    if (!status) status = choose_step(scene, species);
+    if (!status) status = scree_choose_step(scene, species);
     free(species);
     return status;
 }
