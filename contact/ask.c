@@ -79,6 +79,15 @@ static double restitution_of(void *context, double value) {
     return scree_restitution(law, &rule.normal_constants, pair, wish->mass, wish->speed);
 }
 
+/* Whether a normal law takes 0 for a parameter, as dashpots do: then there is a restitution of 1 to begin with. */
+static int may_vanish(const char *law, const char *parameter) {
+    for (int n = 0; law && scree_normal_laws[n]; n++)
+        for (const struct scree_parameter *p = scree_normal_laws[n]->text.parameters; p->name; p++)
+            if (strcmp(scree_normal_laws[n]->text.name, law) == 0 && strcmp(p->name, parameter) == 0)
+                return p->range == SCREE_NOT_NEGATIVE;
+    return 1; /* unknown: the law complains */
+}
+
 scree_status scree_ask(const scree_law_choice *choice, const struct scree_elastic *elastic, const char *parameter,
                        const struct scree_wish *wish, double *value, scree_trouble *trouble) {
     struct question question = {*choice, elastic, wish, trouble, SCREE_OK};
@@ -89,6 +98,10 @@ scree_status scree_ask(const scree_law_choice *choice, const struct scree_elasti
     if (choice->settings < 0 || choice->settings >= SCREE_SETTINGS_MAX)
         return scree_report(trouble, SCREE_BAD_INPUT, NULL, "no room for one more parameter beside %d",
                             choice->settings);
+    if (!may_vanish(choice->law, parameter))
+        return scree_report(trouble, SCREE_BAD_INPUT, parameter,
+                            "the %s of the law \"%s\" is no damping that could be chosen for a restitution", parameter,
+                            choice->law);
     question.choice.setting[question.choice.settings++] = (scree_setting){parameter, 0.0};
     *value = scree_ask_falling(restitution_of, &question, wish->restitution, 1.0, wish->tolerance);
     if (question.status) return question.status;

@@ -3,8 +3,10 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -55,7 +57,30 @@ char *scree_join(const char *folder, const char *name) {
 static void forget(struct scree_out *out) {
     free(out->path);
     free(out->temporary);
+    if (out->lock > 0) close(out->lock);
     *out = (struct scree_out){0};
+}
+
+static int is_at(int descriptor, const char *path) {
+    struct stat own, there;
+    return fstat(descriptor, &own) == 0 && stat(path, &there) == 0 && own.st_dev == there.st_dev &&
+           own.st_ino == there.st_ino;
+}
+
+/* An empty file that nobody else writes; -1, with EWOULDBLOCK if somebody does. */
+static int open_alone(const char *path) {
+    for (;;) {
+        int descriptor = open(path, O_RDWR | O_CREAT, 0666);
+        if (descriptor < 0) return -1;
+        int locked =
+            flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; /* some file systems know no locks */
+        int there = is_at(descriptor, path);                                   /* else it has got its name meanwhile */
+        if (locked && there && ftruncate(descriptor, 0) == 0) return descriptor;
+        int error = errno;
+        close(descriptor);
+        errno = error;
+        if (!locked || there) return -1;
+    }
 }
 
 scree_status scree_out_open(struct scree_out *out, const char *path, scree_trouble *trouble) {
@@ -66,9 +91,12 @@ scree_status scree_out_open(struct scree_out *out, const char *path, scree_troub
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     }
     snprintf(out->temporary, size, "%s.part", path);
-    out->file = fopen(out->temporary, "wb");
-    if (out->file) return SCREE_OK;
-    scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->temporary, strerror(errno));
+    int descriptor = open_alone(out->temporary);
+    out->lock = descriptor < 0 ? 0 : dup(descriptor); /* holds the lock until the file has its name */
+    if (out->lock > 0 && (out->file = fdopen(descriptor, "wb"))) return SCREE_OK;
+    scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->temporary,
+                 errno == EWOULDBLOCK ? "another run is writing it" : strerror(errno));
+    if (descriptor >= 0) close(descriptor);
     forget(out);
     return SCREE_NO_FILE;
 }

@@ -15,9 +15,10 @@ char *scree_read_file(const char *path, size_t largest, size_t *size, scree_trou
 struct scree_out {
     FILE *file;
     char *path, *temporary; /* owned */
+    int lock;               /* keeps others from writing the temporary file */
 };
 
-/* Open for writing; SCREE_NO_FILE. */
+/* Open for writing; SCREE_NO_FILE, also while another process writes a file of that name. */
 scree_status scree_out_open(struct scree_out *out, const char *path, scree_trouble *trouble);
 
 /* Flush and close, still under the temporary name; SCREE_NO_FILE if anything since the opening didn't reach the file (then

@@ -17,7 +17,7 @@ allowed() {
 }
 libc=' assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdalign stdarg stdatomic stdbool stddef
  stdint stdio stdlib stdnoreturn string strings threads time unistd fcntl dirent getopt omp pthread sys/stat sys/types sys/wait
- sys/mman sys/resource sys/time sched '
+ sys/mman sys/resource sys/time sys/file sched '
 
 cd "$root" || exit 1
 for file in $(find bodies contact solver engine bench tests \( -name '*.c' -o -name '*.h' \) | sort); do

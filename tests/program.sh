@@ -177,6 +177,9 @@ done
 check 'impact: a sharp corner' 2 'give the box a rounding' "$scree" impact --law 'hertz modulus=1e8' --ball 'box x=1 y=1 z=1 mass=1'
 check 'impact: asked for' 0 'linear,0.5,1,damping,23.60177' "$scree" impact --want damping=0.5 --law 'linear stiffness=1e5' \
     --law 'blend stiffness=1e5 full=2e-4' --ball 'sphere radius=0.02 mass=0.03'
+check 'impact: asked for what damps nothing' 2 'no damping that could be chosen' "$scree" impact --want stiffness=0.5 --law 'hertz stiffness=1e7'
+check 'impact: swept twice' 2 '--sweep is given more than 1 time' "$scree" impact --law 'hertz modulus=1e8' --sweep speed=1:2:3 --sweep angle=1:2:3
+check 'impact: measured forces' 2 'only a scene file' "$scree" impact --law table
 check 'impact: asked for what is not there' 2 'did you mean "damping"' "$scree" impact --want dampin=0.5 --law 'linear stiffness=1e5'
 check 'impact: asked for nothing' 2 'takes KEY=E' "$scree" impact --want damping --law 'linear stiffness=1e5'
 check 'impact: no law' 2 'needs a normal law' "$scree" impact
@@ -330,6 +333,17 @@ case $printed in
 *) echo "the reason doesn't come first: $printed"; failed=1 ;;
 esac
 expect 'existing output is kept' test "$before" = "$(sums)"
+"$scree" run "$scenes/bounce.toml" -o "$work/both" --quiet --set time.end=1e9 --set output.every=1e6 &
+long=$!
+tries=0
+while [ ! -e "$work/both/bodies.csv.part" ] && [ $tries -lt 100 ]; do
+    sleep 0.1
+    tries=$((tries + 1))
+done
+check 'two runs into one folder' 2 'bodies.csv.part: another run is writing it' "$scree" run "$scenes/bounce.toml" -o "$work/both"
+kill $long
+wait $long 2>/dev/null
+check 'one after the other' 0 'written to' "$scree" run "$scenes/bounce.toml" -o "$work/both" --set time.end=0.01
 expect 'rows up to the stop are there' test -s "$work/kept/bodies.csv.part"
 expect 'frames up to the stop are there' test -s "$work/kept/frames.part/boxes_000000.vtp"
 slide --quiet --set time.end=0.02

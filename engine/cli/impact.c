@@ -468,7 +468,10 @@ static int read_want(const char *text, char key[64], double *restitution) {
 static int read_laws(const char *const *text, int count, const char *option, struct words *words,
                      scree_trouble *trouble) {
     for (int k = 0; k < count; k++)
-        if (words_read(&words[k], text[k], option, trouble)) return cli_complain("%s", trouble->text);
+        if (words_read(&words[k], text[k], option, trouble))
+            return cli_complain("%s", trouble->text);
+        else if (strcmp(words[k].name, "table") == 0)
+            return cli_complain("%s: only a scene file can give the law \"table\" its measured forces", option);
     return EXIT_GOOD;
 }
 
@@ -477,7 +480,7 @@ int cli_impact(int count, char **words) {
     const char *law[MOST_LAWS], *friction[MOST_LAWS], *folder = NULL, *sweep = NULL, *want = NULL;
     const char *quantity[QUANTITIES] = {0};
     const char *ball = "sphere radius=0.01 density=2500", *host = "plane";
-    int loop = 0;
+    int loop = 0, sweeps = 0;
     const struct cli_option options[] = {
         {.name = "--law", .list = law, .list_count = &s.laws, .list_capacity = MOST_LAWS},
         {.name = "--friction", .list = friction, .list_count = &s.frictions, .list_capacity = MOST_LAWS},
@@ -487,7 +490,7 @@ int cli_impact(int count, char **words) {
         {.name = "--angle", .value = &quantity[ANGLE]},
         {.name = "--spin", .value = &quantity[SPIN]},
         {.name = "--host-spin", .value = &quantity[HOST_SPIN]},
-        {.name = "--sweep", .value = &sweep},
+        {.name = "--sweep", .list = &sweep, .list_count = &sweeps, .list_capacity = 1},
         {.name = "--want", .value = &want},
         {.name = "--loop", .flag = &loop},
         {.name = "-o", .value = &folder},

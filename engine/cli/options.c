@@ -53,7 +53,8 @@ static int unknown_option(const char *word, const struct cli_option *options) {
 static int take_option(const struct cli_option *option, const char *value) {
     if (option->list) {
         if (*option->list_count == option->list_capacity)
-            return cli_complain("%s is given more than %d times", option->name, option->list_capacity);
+            return cli_complain("%s is given more than %d time%s", option->name, option->list_capacity,
+                                option->list_capacity > 1 ? "s" : "");
         option->list[(*option->list_count)++] = value;
     } else
         *option->value = value;
