@@ -122,6 +122,9 @@ static scree_status read_settings(const struct scree_law_text *text, const scree
                                 text->name, setting->name, scree_hint(setting->name, names).text);
         }
         const struct scree_parameter *parameter = &text->parameters[index];
+        if (!isnan(values->v[index]))
+            return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "%s of the law \"%s\" is given twice",
+                                parameter->name, text->name);
         if (!in_range(setting->value, parameter->range))
             return scree_report(trouble, SCREE_BAD_INPUT, setting->name,
                                 "%s of the law \"%s\" (%s) must be %s, got %g %s", parameter->name, text->name,
@@ -316,6 +319,8 @@ scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_el
     rule->corners = def->corners != 0;
     if (def->table && (!def->normal.law || strcmp(def->normal.law, "table") != 0))
         return scree_report(trouble, SCREE_BAD_INPUT, "normal", "measured forces go with the law \"table\" only");
+    if (def->table && !(def->table->overlap && def->table->speed && def->table->force))
+        return scree_report(trouble, SCREE_BAD_INPUT, "table", "a force table needs overlaps, speeds and forces");
     if (def->table) {
         rule->normal_constants.table = copy_table(def->table, rule->share);
         if (!rule->normal_constants.table)

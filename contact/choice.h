@@ -2,7 +2,8 @@
 #ifndef SCREE_CONTACT_CHOICE_H
 #define SCREE_CONTACT_CHOICE_H
 
-#define SCREE_SETTINGS_MAX 8
+/* Parameters that a law can have. */
+#define SCREE_SETTINGS_MAX 12
 
 /* One parameter of a law, by the name that `scree laws` prints, in the unit that it prints. */
 typedef struct scree_setting {

@@ -14,7 +14,7 @@
 #include "bodies/vec.h"
 #include "contact/choice.h"
 
-enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = 12 };
+enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = SCREE_SETTINGS_MAX };
 
 /* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the normal
  * law, and stretch and state of rolling and of twisting. All zero when a contact begins. */

@@ -65,6 +65,9 @@ static inline double normal_table_stored(const struct scree_law_constants *law, 
 
 static inline scree_status table_check(const struct scree_force_table *t, scree_trouble *trouble) {
     int rest = table_rest(t);
+    if (t->speed[rest] != 0.0)
+        return scree_report(trouble, SCREE_BAD_INPUT, "table",
+                            "a force table needs the closing speed 0 among its speeds");
     for (int k = 0; k < t->overlaps; k++) {
         double still = t->force[k * t->speeds + rest];
         if (!(k == 0 ? t->overlap[0] == 0.0 && still == 0.0 : t->overlap[k] > t->overlap[k - 1]))
@@ -87,8 +90,7 @@ static inline scree_status table_check(const struct scree_force_table *t, scree_
                     t->overlap[k], force, speed, still);
         }
     }
-    if (t->speed[rest] == 0.0) return SCREE_OK;
-    return scree_report(trouble, SCREE_BAD_INPUT, "table", "a force table needs the closing speed 0 among its speeds");
+    return SCREE_OK;
 }
 
 static inline scree_status normal_table_bake(const struct scree_values *values, struct scree_law_constants *law,
@@ -124,7 +126,9 @@ static const struct scree_normal_law scree_normal_table = {
          .note =
              "rows = [[d, F], …] or [[d, u, F], …], or file = \"….csv\" with the columns overlap_m, force_N and, if "
              "wanted, closing_m_s: every overlap with every speed, 0 among them. What depends on the speed is lost, "
-             "the rest is stored. Stays scalar: a search in the table takes a branch.",
+             "the rest is stored. Beyond the last overlap the force goes on as straight as before it, beyond the "
+             "speeds it "
+             "stays. Stays scalar: a search in the table takes a branch.",
          .parameters = table_parameters,
          .example = "rows = [[0, -1, 0], [0, 0, 0], [0, 1, 20], [1e-4, -1, 2], [1e-4, 0, 6], [1e-4, 1, 26], [1e-3, -1, "
                     "60], [1e-3, 0, 100], [1e-3, 1, 120]]"},

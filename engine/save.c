@@ -330,7 +330,8 @@ scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) 
     put_memories(&s, scene);
     uint64_t hash = s.hash;
     put(&s, &hash, sizeof hash);
-    if (s.failed) return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: can't be written", name);
+    if (s.failed || fflush(file) != 0)
+        return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: can't be written", name);
     return SCREE_OK;
 }
 

@@ -162,7 +162,7 @@ SCREE_API int scree_scene_find_body(const scree_scene *scene, const char *name);
 
 /* Check the whole scene and make the plan; after it definitions can't change. SCREE_BAD_INPUT: bodies whose materials
  * could meet without a contact between them, bodies overlapping by more than half a half-width, a step beyond the
- * stability limit of the stiffest contact, an accuracy that steps can't reach. */
+ * stability limit of the stiffest contact, an accuracy that steps can't reach. A scene whose baking has failed can only be destroyed. */
 SCREE_API scree_status scree_scene_bake(scree_scene *scene);
 
 /* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */
@@ -171,7 +171,7 @@ SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
 /* How many bodies sleep. */
 SCREE_API int scree_scene_asleep(const scree_scene *scene);
 
-/* Advance by `steps` steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body faster
+/* Advance by `steps` >= 0 steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body faster
  * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then, positions to their last digit
  * but one. If the watch has halved the step meanwhile, the time reached is the same, after as many more steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);

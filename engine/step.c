@@ -196,6 +196,8 @@ static scree_status step_once(scree_scene *scene, int more) {
 scree_status scree_scene_step(scree_scene *scene, long steps) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can step");
+    if (steps < 0)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "no scene goes back by %ld steps", -steps);
     return scene->time.watch == SCREE_WATCH_HALVE ? scree_step_watched(scene, steps) : scree_step_plainly(scene, steps);
 }
 

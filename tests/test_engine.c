@@ -365,6 +365,11 @@ static void test_same_bits(void) {
     CHECK(scree_scene_steps(other) == 700);
     go(other, 800);
     CHECK(scree_scene_hash(other) == hash[0]);
+    CHECK(scree_scene_step(other, -1) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_hash(other) == hash[0]);
+    FILE *full = fopen("/dev/full", "wb");
+    CHECK(!full || scree_scene_save(scene, full, "full") == SCREE_NO_FILE);
+    if (full) fclose(full);
 
     /* A damaged file, a cut one, and one of another scene change nothing. */
     uint64_t before = scree_scene_hash(other);
@@ -796,13 +801,19 @@ static void test_definitions(void) {
 
     scree_body_def ball = {
         .name = "ball", .shape = {.kind = SCREE_SPHERE, .radius = 0.1}, .material = a, .position = {0, 0, 0.2}};
-    scree_contact_def unnamed = contact, crowded = contact;
-    unnamed.between[0] = b;
-    crowded.between[0] = b;
+    scree_contact_def unnamed = contact, crowded = contact, doubled = contact, empty = contact;
+    unnamed.between[0] = crowded.between[0] = doubled.between[0] = empty.between[0] = b;
     unnamed.normal.setting[1].name = NULL;
-    crowded.normal.settings = 9;
+    crowded.normal.settings = SCREE_SETTINGS_MAX + 1;
+    doubled.normal.setting[1] = doubled.normal.setting[0];
+    empty.normal = (scree_law_choice){.law = "table"};
+    empty.table = &(scree_force_table){.overlaps = 2, .speeds = 1};
     CHECK(scree_scene_add_contact(scene, &unnamed) == SCREE_BAD_INPUT);
     CHECK(scree_scene_add_contact(scene, &crowded) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_add_contact(scene, &doubled) == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(scene)->text, "given twice");
+    CHECK(scree_scene_add_contact(scene, &empty) == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(scene)->text, "needs overlaps, speeds and forces");
     CHECK(scree_scene_set_time(scene, &(scree_time_def){.integrator = (scree_integrator)7}) == SCREE_BAD_INPUT);
     scree_body_def bad[15];
     for (int k = 0; k < 15; k++) bad[k] = ball;
