@@ -256,7 +256,8 @@ static void describe_stages(const scree_scene *scene, FILE *file) {
         const struct scree_friction_law *law = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
         friction += law != NULL;
         frictionless += rule->touches && !law;
-        memory += law && law->memory;
+        memory += (law && law->memory) || (rule->touches && scree_normal_laws[rule->normal]->memory) ||
+                  (rule->rolling >= 0 && scree_rolling_laws[rule->rolling]->memory);
         rolling += rule->rolling >= 0;
         regularised += law && law->slope(&rule->friction_constants) > 0.0;
     }
@@ -267,7 +268,7 @@ static void describe_stages(const scree_scene *scene, FILE *file) {
     else
         fprintf(file, "runs each step: look ahead, %s, normal law%s%s%s, impulses%s, advance%s\n",
                 impulses ? "look now, gather both, inside each contact" : "gather", friction ? ", friction law" : "",
-                memory ? " with memory" : "", rolling ? ", rolling law" : "", impulses ? " and moments" : "",
+                rolling ? ", rolling law" : "", memory ? ", contact memory" : "", impulses ? " and moments" : "",
                 scene->time.energy ? ", energy books" : "");
     fprintf(file, "skipped:\n  search for contacts, until a body has moved %.3g m\n", 0.5 * contacts->skin);
     if (frictionless)

@@ -171,9 +171,13 @@ static void warn_of_books(const struct run *run) {
             100.0 * run->worst, run->worst_time, run->scene->time.tolerance);
         return;
     }
+    const char *other = !run->scene->plan.choice.automatic ? " or step = \"auto\" avoids it"
+                        : run->scene->time.integrator == SCREE_PAIR_IMPULSE
+                            ? " avoids it"
+                            : " or integrator = \"pair-impulse\" avoids it";
     cli_complain("warning: the energy books lack %.3g %% of what was turned over (worst at t = %.6g s): the result "
-                 "is wrong by as much; a smaller step than %.3g s or step = \"auto\" avoids it",
-                 100.0 * run->worst, run->worst_time, scree_scene_step_length(run->scene));
+                 "is wrong by as much; a smaller step than %.3g s%s",
+                 100.0 * run->worst, run->worst_time, scree_scene_step_length(run->scene), other);
 }
 
 /* Ten steps follow a contact to some 0.2 % of the speed, five to 2 %. Pair impulses follow that of two spheres however long they are. */
