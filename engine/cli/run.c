@@ -38,8 +38,8 @@ struct run {
     int quiet;
     time_t shown;
     scree_effort before; /* what came with a state */
-    /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside it. */
-    double largest, worst, worst_time;
+    /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside what was turned over. */
+    double largest, worst, worst_of, worst_time;
     int halvings; /* told so far */
 };
 
@@ -91,8 +91,10 @@ static scree_status watch_books(struct run *run) {
     run->largest = fmax(run->largest, energy.kinetic + energy.rotational + energy.stored);
     double turned = run->largest + energy.lost_normal + energy.lost_tangential + fabs(energy.driven);
     double gap = fabs(energy.balance) / turned;
+    if (run->worst_of < 1e-9 * turned) run->worst = 0.0; /* of a motion that was nothing beside this */
     if (gap > run->worst) {
         run->worst = gap;
+        run->worst_of = turned;
         run->worst_time = scree_scene_time(run->scene);
     }
     return SCREE_OK;
