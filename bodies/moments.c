@@ -49,6 +49,7 @@ enum { FEW = 1000 }; /* bodies for which a team of threads doesn't pay */
 
 void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                                      int threads) {
+    (void)threads; /* without OpenMP */
     drive_to(bodies, time + step);
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && bodies->count > FEW)
     for (int index = 0; index < bodies->count; index++) {
@@ -193,6 +194,7 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
                            double margin, struct scree_bodies *now, int threads) {
     double fall = vec_norm(vec_from(gravity));
     int too_far = 0;
+    (void)threads; /* without OpenMP */
     now->push = bodies->push;
 #pragma omp parallel for schedule(static) num_threads(threads)                                                         \
     reduction(|                                                                                                        \
