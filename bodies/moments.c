@@ -196,15 +196,14 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     int too_far = 0;
     (void)threads; /* without OpenMP */
     now->push = bodies->push;
-#pragma omp parallel for schedule(static) num_threads(threads)                                                         \
-    reduction(|                                                                                                        \
-              : too_far) if (threads > 1 && bodies->count > FEW)
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && bodies->count > FEW)
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] != SCREE_CLASS_BALL) continue;
         look_at_ball(bodies, k, step, gravity, fall, &now->record[k]);
         double square = scree_ball_look_ahead(
             &bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step, scree_row_of(gravity));
-        too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
+        if (scree_outgrown(&bodies->record[k], step * sqrt(square), margin))
+            __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
     }
     return too_far | look_at_others(bodies, time, step, gravity, margin, now);
 }
