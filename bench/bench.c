@@ -53,7 +53,10 @@ int main(int count, char **words) {
     const char *names[BENCHMARKS + 1] = {0};
     for (int k = 0; k < BENCHMARKS; k++) {
         names[k] = benchmarks[k].name;
-        if (strcmp(words[1], names[k]) == 0) return benchmarks[k].run(count - 2, words + 2);
+        if (strcmp(words[1], names[k]) != 0) continue;
+        int code = benchmarks[k].run(count - 2, words + 2);
+        if (fflush(stdout) == 0 && !ferror(stdout)) return code;
+        return cli_complain("the results can't be written"), EXIT_MISSED;
     }
     return cli_complain("there is no benchmark \"%s\"%s", words[1], scree_hint(words[1], names).text);
 }

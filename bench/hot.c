@@ -21,9 +21,9 @@ static const char help[] =
     "Hertz's spring, Tsuji's dashpot, Mindlin's friction with memory; linear: linear spring, Coulomb's friction with "
     "memory; plain: Hertz's\n"
     "spring alone. --integrator verlet (default) or pair-impulse. --write keeps the settled bed (positions, "
-    "velocities, spins), --read takes it up again, so that "
-    "builds can be\n"
-    "compared on one bed; --tiles lays it out N by N times within the walls (N*N*bodies spheres); --ratio puts "
+    "velocities, spins), --read takes it up again\n"
+    "(and lets it settle for --settle steps: 15000 unless given), so that builds can be compared on one bed; --tiles "
+    "lays it out N by N times within the walls (N*N*bodies spheres); --ratio puts "
     "spheres\n"
     "up to N times as large in the place of others, each size sqrt(10) times the next and a hundredth as often\n"
     "(those more than ten times as large weigh a thousandth, so that they crush nothing). "
@@ -123,7 +123,9 @@ static struct stored *read_bed(const char *name, int bodies) {
     if (!file) exit(cli_complain("%s can't be read", name));
     struct stored *stored = malloc((size_t)bodies * sizeof *stored);
     if (!stored || fread(stored, sizeof *stored, (size_t)bodies, file) != (size_t)bodies)
-        exit(cli_complain("the bed that was read is too short"));
+        exit(cli_complain("%s holds less than %d spheres", name, bodies));
+    if (fgetc(file) != EOF)
+        exit(cli_complain("%s holds more than %d spheres: say how many with --bodies", name, bodies));
     fclose(file);
     return stored;
 }
@@ -296,6 +298,9 @@ int bench_hot(int count, char **words) {
         request.integrator = SCREE_PAIR_IMPULSE;
     else if (strcmp(integrator, "verlet") != 0)
         return cli_complain("--integrator is verlet or pair-impulse, not \"%s\"", integrator);
+    if (strcmp(request.laws, "mindlin") != 0 && strcmp(request.laws, "linear") != 0 &&
+        strcmp(request.laws, "plain") != 0)
+        return cli_complain("--laws is mindlin, linear or plain, not \"%s\"", request.laws);
     request.bodies = cli_whole_number(bodies, "--bodies", 10000000);
     request.threads = cli_whole_number(threads, "--threads", 1024);
     request.steps = cli_whole_number(steps, "--steps", 100000000);

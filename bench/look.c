@@ -117,7 +117,8 @@ int bench_look(int count, char **words) {
     int failed = look_at_contacts(scene, &look);
     scree_scene_destroy(scene);
     if (failed) return cli_complain("no memory for the contacts"), EXIT_MISSED;
-    double n = look.spheres > 0 ? look.spheres : 1;
+    if (!look.spheres) return cli_complain("%s has no spheres that move", words[0]);
+    double n = look.spheres;
     printf("spheres,contacts,coordination,packing,kinetic_J,rotational_J,height_m,speed_m_s,deepest_radii,"
            "borne_of_weight,aside_of_weight\n");
     printf("%d,%d,%.4f,%.4f,%.4g,%.4g,%.6g,%.6g,%.4g,%.5f,%.5f\n", look.spheres, look.contacts, 2.0 * look.contacts / n,

@@ -16,6 +16,7 @@ first=
 try() { # try BUILD ISA THREADS
     row=$(SCREE_ISA=$2 "$1/bench/scree-bench" hot --bodies 10000 --settle "$steps" --steps 1 --repeats 1 --threads "$3" | tail -n 1)
     hash=${row##*,}
+    [ -n "$hash" ] || { echo "same_bits.sh: $1/bench/scree-bench failed" >&2; exit 1; }
     echo "$1,${row%%,*},$3,$steps,$hash"
     first=${first:-$hash}
     [ "$hash" = "$first" ] || { echo "same_bits.sh: the state differs" >&2; exit 1; }

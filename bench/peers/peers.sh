@@ -107,11 +107,11 @@ if [ $# -le 5 ]; then
     command -v liggghts >/dev/null && programs="$programs liggghts"
     command -v yade >/dev/null && [ -e "$here/${kind}_yade.py" ] && programs="$programs yade"
 fi
-rm -f times.csv
+rm -f times.csv final_*.csv
 for round in $(seq "$rounds"); do
     for program in $programs; do
         seconds=$(seconds_of $program)
-        [ -n "$seconds" ] || { echo "peers.sh: $program failed: see $work/$program.log" >&2; continue; }
+        [ -n "$seconds" ] || { echo "peers.sh: $program failed: see $work/$program.log" >&2; rm -f final_$program.csv; continue; }
         echo "$round,$program,$seconds" >>times.csv
         echo "round $round: $program $(awk "BEGIN { printf \"%.1f\", $seconds / $spheres / $steps * 1e9 }") ns per sphere and step" >&2
     done
@@ -121,7 +121,9 @@ median() { sort -g | awk '{ v[NR] = $1 } END { printf "%.4g", NR % 2 ? v[(NR + 1
 grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: /# /'
 # shellcheck disable=SC2046
 echo "scene,program,steps,rounds,ns_per_sphere_step,times_scree,$("$look" look $kind.toml $(sizes) | head -n 1)"
+failed=0
 for program in $programs; do
+    [ -s final_$program.csv ] && grep -q ",$program," times.csv || { failed=1; continue; }
     time=$(awk -F, -v p=$program -v n="$spheres" -v s="$steps" '$2 == p { print $3 / n / s * 1e9 }' times.csv | median)
     ratio=$(awk -F, -v p=$program '$2 == "scree" { own[$1] = $3 } $2 == p && own[$1] { print $3 / own[$1] }' times.csv | median)
     cp final_$program.csv spheres.csv
@@ -130,3 +132,4 @@ for program in $programs; do
 done
 awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k == "x_m") first = k }
     { line = $first; for (k = first + 1; k < first + 10; k++) line = line "," $k; print line }' start.csv >spheres.csv
+exit $failed
