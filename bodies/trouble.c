@@ -36,9 +36,9 @@ static char *show_all(const char *from) {
     return shown;
 }
 
-/* The first byte of the character that `at` points into. */
+/* The first byte of the character that `at` points into, at most three before; what isn't UTF-8 has none. */
 static char *first_byte(char *at) {
-    while (((unsigned char)*at & 0xc0) == 0x80) at--;
+    for (int k = 0; k < 3 && ((unsigned char)*at & 0xc0) == 0x80; k++) at--;
     return at;
 }
 
