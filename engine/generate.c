@@ -111,7 +111,7 @@ static scree_status plan_lattice(scree_scene *scene, const scree_generate_def *d
         points *= most;
         lattice->points[axis] = most < INT_MAX ? (int)most : INT_MAX;
     }
-    if (points < (def->count ? def->count : 1))
+    if (!(points >= (def->count ? def->count : 1))) /* infinity times nothing too */
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "count",
                             "the box of \"%s\" has %.0f points %g m apart, too few for %d spheres", def->name, points,
                             lattice->spacing, def->count ? def->count : 1);
