@@ -53,10 +53,9 @@ static inline void collect(struct scree_contacts *contacts, struct scree_bodies 
         add_to_bodies(bodies, &contact, yield, lane, scree_contact_turns(batch, &contact));
         note(yield->depth[lane], ball, host, &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
         note(yield->steep[lane], ball, host, &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
-    }
-    if (contacts->measured) {
-        contacts->lost_normal += yield->lost_normal;
-        contacts->work_tangential += yield->work_tangential;
+        if (!contacts->measured) continue;
+        contacts->lost_normal += yield->lost.normal[lane];
+        contacts->work_tangential += yield->lost.tangential[lane];
     }
 }
 

@@ -54,6 +54,13 @@ struct scree_ends {
     int ball, host;
 };
 
+/* J that each contact of a block took out of the motion during the step. They are added up contact by contact: sums that don't depend
+ * on how contacts fall into blocks. */
+struct scree_losses {
+    double normal[SCREE_LANES];     /* dissipated in normal direction */
+    double tangential[SCREE_LANES]; /* done against friction and rolling resistance */
+};
+
 /* What a block of contacts yields. Impulses on the ball in N s, angular impulses on both bodies in N m s. */
 struct scree_yield {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
@@ -61,8 +68,7 @@ struct scree_yield {
     double
         steep[SCREE_LANES]; /* step x slope of the friction law x normal force x softness: friction chatters beyond 1 */
     int silent;             /* only edges on edges: nothing touches, the rest isn't filled in */
-    double lost_normal;     /* J dissipated in normal direction during the step (if measured) */
-    double work_tangential; /* J done against friction during the step (if measured) */
+    struct scree_losses lost; /* if measured */
 };
 
 /* What the pair-impulse method yields beside it, and keeps of each contact: the impulse of the last step, N s, and the overlap (m) that

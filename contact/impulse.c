@@ -286,8 +286,8 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
     double before = place.batch->past[SCREE_PAST_DEPTH][place.index];
     keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index), before);
     keep_past(place.batch, 0, place.index, impulse, rubs && vec_norm2(impulse) > 0.0 ? middle.overlap : 0.0);
-    yield->lost_normal += sum->lost;
-    yield->work_tangential += sum->rubbed;
+    yield->lost.normal[lane] = sum->lost;
+    yield->lost.tangential[lane] = sum->rubbed;
 }
 
 /* The velocity of the ball against its host at the contact. */
@@ -361,7 +361,7 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
     add_to(yield->turn_host, lane, vec_scale(-1.0, turn));
     add_to(moments->turn_ball, lane, moment);
     add_to(moments->turn_host, lane, vec_scale(-1.0, moment));
-    yield->work_tangential -= step * (vec_dot(r.force, rolling.velocity) + s.force.x * along);
+    yield->lost.tangential[lane] -= step * (vec_dot(r.force, rolling.velocity) + s.force.x * along);
     if (!own) return;
     own[0][k] = touches * r.stretch.x;
     own[1][k] = touches * r.stretch.y;
@@ -390,7 +390,7 @@ static void write_nothing(struct place place) {
         yield->impulse[k][place.lane] = yield->turn_ball[k][place.lane] = yield->turn_host[k][place.lane] = 0.0;
         moments->impulse[k][place.lane] = moments->turn_ball[k][place.lane] = moments->turn_host[k][place.lane] = 0.0;
     }
-    yield->steep[place.lane] = 0.0;
+    yield->steep[place.lane] = yield->lost.normal[place.lane] = yield->lost.tangential[place.lane] = 0.0;
 }
 
 /* What becomes of a contact in a step. */
@@ -488,15 +488,14 @@ static void impel_lanes(const struct scree_contacts *contacts, const struct scre
         books[lane] = (struct scree_pair_yield){.lost = 0.0};
         if (reckon(contacts, bodies, now, place, step, &o)) books[lane] = o.sum;
     }
-    yield->lost_normal = yield->work_tangential = 0.0;
     yield->silent = 0;
     uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
     for (int lane = 0; lane < count; lane++) {
         if (left >> lane & 1) {
             impel(contacts, bodies, now, (struct place){batch, first + lane, lane, yield, moments, pair}, step);
         } else if (contacts->measured) {
-            yield->lost_normal += books[lane].lost;
-            yield->work_tangential += books[lane].rubbed;
+            yield->lost.normal[lane] = books[lane].lost;
+            yield->lost.tangential[lane] = books[lane].rubbed;
         }
     }
 }
@@ -578,8 +577,10 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
         contacts->loop->add_up(bodies, &batch->ends[first], count, batch->any_turns, hosts, &yield, &moments);
         add_turn_moments(bodies, batch, first, count, hosts, &moments);
         for (int lane = 0; lane < count; lane++) tally_up(&batch->ends[first + lane], &yield, lane, tally);
-        tally->lost_normal += yield.lost_normal;
-        tally->work_tangential += yield.work_tangential;
+        for (int lane = 0; contacts->measured && lane < count; lane++) {
+            tally->lost_normal += yield.lost.normal[lane];
+            tally->work_tangential += yield.lost.tangential[lane];
+        }
     }
 }
 

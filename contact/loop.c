@@ -263,22 +263,17 @@ static void write_yield(const struct block *b, int count, const struct scree_bat
     }
 }
 
-/* What the contacts took out of the motion during the step. Summed lane by lane: a fixed order. */
-struct losses {
-    double normal, tangential;
-};
-
-static struct losses measure_losses(const struct block *b, int count, double step, int friction, int rolls, int snaps) {
-    double normal = 0.0, tangential = 0.0;
+static void measure_losses(const struct block *b, int count, const struct scree_rule *rule, double step,
+                           struct scree_losses *lost) {
     for (int k = 0; k < count; k++) {
-        normal += step * (b->force[k] - b->reversible[k]) * b->closing[k];
-        if (snaps) normal += b->snap[k];
-        if (friction)
-            tangential -= step * (b->friction[0][k] * b->slip[0][k] + b->friction[1][k] * b->slip[1][k] +
-                                  b->friction[2][k] * b->slip[2][k]);
+        lost->normal[k] = step * (b->force[k] - b->reversible[k]) * b->closing[k];
+        lost->tangential[k] = 0.0;
     }
-    for (int k = 0; rolls && k < count; k++) tangential += step * b->power[k];
-    return (struct losses){normal, tangential};
+    for (int k = 0; scree_normal_laws[rule->normal]->reach && k < count; k++) lost->normal[k] += b->snap[k];
+    for (int k = 0; rule->friction >= 0 && k < count; k++)
+        lost->tangential[k] -= step * (b->friction[0][k] * b->slip[0][k] + b->friction[1][k] * b->slip[1][k] +
+                                       b->friction[2][k] * b->slip[2][k]);
+    for (int k = 0; rule->rolling >= 0 && k < count; k++) lost->tangential[k] += step * b->power[k];
 }
 
 static void press_and_rub(struct block *b, int count, const struct scree_rule *rule, const double *const *pair,
@@ -337,19 +332,14 @@ static void press_gathered(const struct scree_contacts *contacts, const struct s
 static void finish(const struct scree_contacts *contacts, const struct scree_batch *batch, const struct block *b,
                    int count, double step, struct scree_yield *yield) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
-    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
     write_yield(b, count, batch, deeds_of(batch, rule), step, yield);
-    if (!contacts->measured) return;
-    struct losses losses = measure_losses(b, count, step, friction, rolls, snaps);
-    yield->lost_normal = losses.normal;
-    yield->work_tangential = losses.tangential;
+    if (contacts->measured) measure_losses(b, count, rule, step, &yield->lost);
 }
 
 /* ---- edges on edges ---- */
 
 /* A block without touch: laws forget what they have kept. */
-static void stay_silent(const struct scree_batch *batch, int first, int count, struct scree_yield *yield) {
-    yield->lost_normal = yield->work_tangential = 0.0;
+static void stay_silent(const struct scree_batch *batch, int first, int count) {
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->kept[m]) memset(batch->kept[m] + first, 0, (size_t)padded(count) * sizeof(double));
     if (batch->slides) memset(batch->slides + first, 0, (size_t)padded(count));
@@ -374,7 +364,7 @@ static void act_edges(const struct scree_contacts *contacts, const struct scree_
     struct lean lean;
     yield->silent = !gather_crossings(bodies, batch, first, count, step, &b, &lean);
     if (yield->silent) {
-        stay_silent(batch, first, count, yield);
+        stay_silent(batch, first, count);
         return;
     }
     press_gathered(contacts, batch, first, count, step, &b);
@@ -539,6 +529,16 @@ static void note_depths(const struct block *b, const struct scree_ends *own, int
     }
 }
 
+static void note_losses(const struct block *b, int count, const struct scree_rule *rule, double step,
+                        struct scree_tally *tally) {
+    struct scree_losses lost;
+    measure_losses(b, count, rule, step, &lost);
+    for (int k = 0; k < count; k++) {
+        tally->lost_normal += lost.normal[k];
+        tally->work_tangential += lost.tangential[k];
+    }
+}
+
 /* The steepest friction, of laws that have a slope. */
 static void note_slopes(const struct block *b, const struct scree_ends *own, int count, double slope, double step,
                         struct scree_tally *tally) {
@@ -639,7 +639,6 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_ends *own = batch->ends + first;
     struct scree_contact contact[SCREE_LANES];
-    int friction = rule->friction >= 0, rolls = rule->rolling >= 0, snaps = !!scree_normal_laws[rule->normal]->reach;
     int deeds = deeds_of(batch, rule), turn = 0;
     find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
     for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
@@ -657,11 +656,7 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         call_ahead(batch, first + done, next, left, 3);
         note_depths(&b, own, here, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
-        if (contacts->measured) {
-            struct losses losses = measure_losses(&b, here, step, friction, rolls, snaps);
-            tally->lost_normal += losses.normal;
-            tally->work_tangential += losses.tangential;
-        }
+        if (contacts->measured) note_losses(&b, here, rule, step, tally);
         if (trail && left)
             follow(bodies, own[here].ball < own[here].host ? own[here].ball : own[here].host, trail, tally);
     }

@@ -267,6 +267,7 @@ whole=$("$scree" run "$scenes/incline.toml" -o "$work/whole" --set time.end=0.2 
 "$scree" run "$scenes/incline.toml" -o "$work/plain" --set time.end=0.1 --set 'output.write=[]' --quiet
 resumed=$("$scree" run "$scenes/incline.toml" -o "$work/rest" --set time.end=0.2 --resume "$work/half/final.state" 2>&1 | hash_of)
 expect 'resumed run has the same hash' test -n "$whole" -a "$whole" = "$resumed"
+expect 'its books end with the same figures' test "$(tail -n 1 "$work/whole/energy.csv")" = "$(tail -n 1 "$work/rest/energy.csv")"
 threaded=$("$scree" run "$scenes/incline.toml" -o "$work/threads" --set time.end=0.2 --threads 2 2>&1 | hash_of)
 expect 'threads have the same hash' test "$whole" = "$threaded"
 silent=$("$scree" run "$scenes/incline.toml" -o "$work/silent" --set time.end=0.2 --set 'output.write=[]' 2>&1 | hash_of)

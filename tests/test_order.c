@@ -157,55 +157,80 @@ static void test_reordering(void) {
 
 enum { STEPS = 1100, MIDDLE = 530 }; /* the order is looked at after 512 and 1024 */
 
-static uint64_t hash_after(const char *text, const char *const *changes, int count, int threads, long at_once) {
+/* What a run ends with; the energies, where they are kept. */
+struct end {
+    uint64_t hash;
+    scree_energy energy;
+};
+
+static struct end end_of(scree_scene *scene) {
+    struct end end;
+    memset(&end, 0, sizeof end);
+    end.hash = scree_scene_hash(scene);
+    CHECK(scree_scene_energy(scene, &end.energy) == SCREE_OK);
+    return end;
+}
+
+static int same(struct end a, struct end b) { return memcmp(&a, &b, sizeof a) == 0; }
+
+static struct end end_after(const char *text, const char *const *changes, int count, int threads, long at_once) {
     scree_scene *scene = scene_from(text, changes, count, threads);
     for (long k = 0; k < STEPS; k += at_once) go(scene, at_once < STEPS - k ? at_once : STEPS - k);
-    uint64_t hash = scree_scene_hash(scene);
+    struct end end = end_of(scene);
     scree_scene_destroy(scene);
-    return hash;
+    return end;
 }
 
 /* Saved between two orderings, restored, and taken on. */
-static uint64_t hash_restored(const char *text, const char *const *changes, int count) {
+static struct end end_restored(const char *text, const char *const *changes, int count) {
     scree_scene *scene = scene_from(text, changes, count, 1), *other = scene_from(text, changes, count, 2);
     FILE *file = tmpfile();
     go(scene, MIDDLE);
     CHECK(scree_scene_save(scene, file, "memory") == SCREE_OK);
     rewind(file);
     CHECK(scree_scene_restore(other, file, "memory") == SCREE_OK);
-    CHECK(scree_scene_hash(other) == scree_scene_hash(scene));
+    CHECK(same(end_of(other), end_of(scene)));
     go(other, STEPS - MIDDLE);
-    uint64_t hash = scree_scene_hash(other);
+    struct end end = end_of(other);
     fclose(file);
     scree_scene_destroy(scene);
     scree_scene_destroy(other);
-    return hash;
+    return end;
 }
 
-/* The same bits whatever works it out: threads, processor, steps at a time, the width of lists, a pause, measurements. */
-static void test_same_bits(const char *const *changes, int count) {
-    static const int threads[] = {2, 3, 16};
-    static const char *const isa[] = {"baseline", "avx2", "avx512"};
-    char *text = gas_text(1.5);
-    uint64_t hash = hash_after(text, changes, count, 1, STEPS);
-    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++)
-        CHECK(hash_after(text, changes, count, threads[k], STEPS) == hash);
-    for (size_t k = 0; k < sizeof isa / sizeof *isa; k++) {
-        setenv("SCREE_ISA", isa[k], 1);
-        CHECK(hash_after(text, changes, count, 1, STEPS) == hash);
-    }
-    unsetenv("SCREE_ISA");
-    CHECK(hash_after(text, changes, count, 1, 7) == hash);
-    CHECK(hash_restored(text, changes, count) == hash);
-    const char *measured[4] = {"output={write=[\"energy.csv\"]}"};
-    for (int k = 0; k < count; k++) measured[1 + k] = changes[k];
-    CHECK(hash_after(text, measured, 1 + count, 3, STEPS) == hash);
+/* With lists half as wide, so made at other times. */
+static struct end end_with_narrow_lists(const char *text, const char *const *changes, int count) {
     scree_scene *scene = scene_from(text, changes, count, 1);
     scene->contacts.skin *= 0.5;
     CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
     go(scene, STEPS);
-    CHECK(scree_scene_hash(scene) == hash);
+    struct end end = end_of(scene);
     scree_scene_destroy(scene);
+    return end;
+}
+
+/* The same bits of bodies and energies whatever works them out: threads, processor, steps at a time, the width of lists, a pause; and
+ * measurements change nothing. */
+static void test_same_bits(const char *const *changes, int count) {
+    static const int threads[] = {2, 3, 16};
+    static const char *const isa[] = {"baseline", "avx2", "avx512"};
+    char *text = gas_text(1.5);
+    const char *measured[4] = {"output={write=[\"energy.csv\"]}"};
+    for (int k = 0; k < count; k++) measured[1 + k] = changes[k];
+    struct end end = end_after(text, measured, 1 + count, 1, STEPS);
+    CHECK(end.energy.lost_normal > 0.0 && end.energy.lost_tangential > 0.0);
+    for (size_t k = 0; k < sizeof threads / sizeof *threads; k++)
+        CHECK(same(end_after(text, measured, 1 + count, threads[k], STEPS), end));
+    for (size_t k = 0; k < sizeof isa / sizeof *isa; k++) {
+        setenv("SCREE_ISA", isa[k], 1);
+        CHECK(same(end_after(text, measured, 1 + count, 1, STEPS), end));
+    }
+    unsetenv("SCREE_ISA");
+    CHECK(same(end_after(text, measured, 1 + count, 1, 7), end));
+    CHECK(same(end_restored(text, measured, 1 + count), end));
+    CHECK(same(end_with_narrow_lists(text, measured, 1 + count), end));
+    CHECK(end_after(text, changes, count, 1, STEPS).hash == end.hash);
+    CHECK(end_restored(text, changes, count).hash == end.hash);
     free(text);
 }
 
