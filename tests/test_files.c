@@ -458,6 +458,11 @@ static void test_messages(void) {
     CONTAINS(trouble.text, "\xe2\x80\xa6"); /* … */
     CONTAINS(trouble.text, "-end\" has 6010");
     CHECK(strlen(trouble.text) < sizeof trouble.text);
+    char *alien = repeat("", "\x80", 1000, ""); /* not UTF-8: no byte begins a character */
+    report_with("a", alien, &trouble);
+    CONTAINS(trouble.text, "\x80\xe2\x80\xa6\x80");
+    CONTAINS(trouble.text, cause);
+    free(alien);
     report_with(name, "s.toml", &trouble); /* 250 bytes */
     CONTAINS(trouble.text, "s.toml:5:1: body \"start-n");
     CONTAINS(trouble.text, "-end\" ");

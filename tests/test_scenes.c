@@ -232,6 +232,10 @@ static void test_bad_generators(void) {
         {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
               "max = [1, 1, 1]\n",
          "needs the count of its spheres"},
+        {HEAD
+         "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"glass\"\nradius = 1e-10\nmin = [0, 0, 0]\n"
+         "max = [1e300, 2e-10, 1]\nspacing = 3e-10\n", /* infinitely many points along one axis, none along another */
+         "too few for 1 spheres"},
         {HEAD RANDOM "jitter = 0.1\n", "only a lattice has jitter"},
         {HEAD LATTICE LATTICE, "there are two of the body \"grain 1\""},
     };
