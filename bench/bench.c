@@ -1,7 +1,6 @@
 /* scree-bench: finds the benchmark and hands over; and what the benchmarks share. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
 #include "engine/scene_file.h"
 
 #include <stdlib.h>
@@ -50,6 +49,7 @@ int main(int count, char **words) {
         fputs(help, count < 2 ? stderr : stdout);
         return count < 2 ? EXIT_USAGE : EXIT_GOOD;
     }
+    if (cli_check_isa()) return EXIT_USAGE;
     const char *names[BENCHMARKS + 1] = {0};
     for (int k = 0; k < BENCHMARKS; k++) {
         names[k] = benchmarks[k].name;
@@ -59,6 +59,11 @@ int main(int count, char **words) {
         return cli_complain("the results can't be written"), EXIT_MISSED;
     }
     return cli_complain("there is no benchmark \"%s\"%s", words[1], scree_hint(words[1], names).text);
+}
+
+int bench_parse(int count, char **words, const struct cli_option *options, const char *text) {
+    int code = cli_parse(&count, words, options, text);
+    return !code && count > 0 ? cli_complain("unexpected word \"%s\"", words[0]) : code;
 }
 
 double bench_now(void) {

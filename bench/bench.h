@@ -2,6 +2,7 @@
 #ifndef SCREE_BENCH_BENCH_H
 #define SCREE_BENCH_BENCH_H
 
+#include "engine/cli/cli.h"
 #include "engine/scene.h"
 
 int bench_process(int count, char **words);
@@ -17,6 +18,9 @@ int bench_stability(int count, char **words);
 int bench_stress(int count, char **words);
 int bench_collide(int count, char **words);
 int bench_boxes(int count, char **words);
+
+/* cli_parse for benchmarks that take no words but options. */
+int bench_parse(int count, char **words, const struct cli_option *options, const char *help);
 
 /* Seconds on a clock that only runs forward. */
 double bench_now(void);

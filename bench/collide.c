@@ -2,7 +2,6 @@
  * so that the result is the same for any number of threads. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
 #include "tests/boxes_impact.h"
 
 #include <math.h>
@@ -140,7 +139,7 @@ int bench_collide(int count, char **words) {
         {.name = "--pairs", .value = &pairs},     {.name = "--impacts", .value = &hits},
         {.name = "--row", .value = &row},         {.name = "--seed", .value = &seed},
         {.name = "--threads", .value = &threads}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     int only = row ? cli_whole_number(row, "--row", IMPACTS) : 0;
     int pair_count = pairs && strcmp(pairs, "0") == 0 ? -1

@@ -2,7 +2,6 @@
 #include "bench/bench.h"
 
 #include "contact/loop.h"
-#include "engine/cli/cli.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -292,7 +291,7 @@ int bench_hot(int count, char **words) {
         {.name = "--integrator", .value = &integrator}, {.name = "--write", .value = &request.write},
         {.name = "--read", .value = &request.read},     {.name = "--tiles", .value = &tiles},
         {.name = "--ratio", .value = &ratio},           {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (strcmp(integrator, "pair-impulse") == 0)
         request.integrator = SCREE_PAIR_IMPULSE;

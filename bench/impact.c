@@ -1,8 +1,6 @@
 /* scree-bench impact: error of the restitution against the step. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
-
 #include <math.h>
 
 static const char help[] = "usage: scree-bench impact [--phases N]\n"
@@ -77,7 +75,7 @@ static void measure(int law, int phases) {
 int bench_impact(int count, char **words) {
     const char *phases = NULL;
     const struct cli_option options[] = {{.name = "--phases", .value = &phases}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     int phase_count = phases ? cli_whole_number(phases, "--phases", 10000) : 64;
     if (!phase_count) return EXIT_USAGE;

@@ -1,8 +1,6 @@
 /* scree-bench laws: time of a contact in the loop, for every law of the catalogue. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,7 +73,7 @@ static void row(const char *kind, const struct scree_law_text *text, int repeats
 int bench_laws(int count, char **words) {
     const char *repeats_text = NULL;
     const struct cli_option options[] = {{.name = "--repeats", .value = &repeats_text}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     int repeats = repeats_text ? cli_whole_number(repeats_text, "--repeats", 1000) : 9;
     if (!repeats) return EXIT_USAGE;

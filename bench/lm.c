@@ -5,7 +5,6 @@
 #include "bench/peers/peers.h"
 #include "bench/problems.h"
 #include "bodies/elementary.h"
-#include "engine/cli/cli.h"
 
 #include <float.h>
 #include <math.h>
@@ -276,6 +275,7 @@ int bench_lm(int count, char **words) {
     if (code) return code < 0 ? EXIT_GOOD : code;
     int repeat_count = repeats ? cli_whole_number(repeats, "--repeats", MOST_REPEATS) : 25;
     if (!repeat_count) return EXIT_USAGE;
+    if (count > costs) return cli_complain("unexpected word \"%s\"", words[costs]);
     if (costs) return print_costs(count ? words[0] : "");
     bench_describe_machine();
     printf("solver,residuals,solve_us,ratio_to_cminpack,residual_calls,jacobian_calls,largest_relative_error\n");

@@ -1,7 +1,6 @@
 /* scree-bench look: what a scene of many spheres is like at its start, to compare the states that several programs arrive at. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
 #include "engine/scene.h"
 #include "engine/scene_file.h"
 

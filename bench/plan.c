@@ -1,7 +1,6 @@
 /* scree-bench plan: time of planning many operating speeds with the process model in the loop, against the clearance that is left. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
 #include "engine/cli/process.h"
 
 #include <math.h>
@@ -72,7 +71,7 @@ int bench_plan(int count, char **words) {
     const char *repeats_text = NULL, *threads_text = NULL;
     const struct cli_option options[] = {
         {.name = "--repeats", .value = &repeats_text}, {.name = "--threads", .value = &threads_text}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     int repeats = repeats_text ? cli_whole_number(repeats_text, "--repeats", 1000) : 3;
     int threads = threads_text ? cli_whole_number(threads_text, "--threads", 1024) : 1;

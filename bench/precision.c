@@ -1,8 +1,6 @@
 /* scree-bench precision: run time against error for the integrators. The cases are in precision_cases.c. */
 #include "bench/precision.h"
 
-#include "engine/cli/cli.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -85,6 +83,12 @@ static const double per_contact[STEPS] = {1, 2, 3, 5, 8, 10, 12, 15, 20, 30, 50,
 
 /* `only` 0: all steps but those that are long even for pair impulses. */
 static int wanted(int k, double only) { return only > 0.0 ? per_contact[k] == only : per_contact[k] >= 10.0; }
+
+static int is_step(double per) {
+    int found = 0;
+    for (int k = 0; k < STEPS; k++) found |= per_contact[k] == per;
+    return found;
+}
 
 /* Steps so long that Verlet's method is near its limit, pi/2 a contact, are for the others. */
 static int first_for(int k) { return per_contact[k] < 3.0; }
@@ -271,7 +275,7 @@ int bench_precision(int count, char **words) {
         {.name = "--phases", .value = &phases},      {.name = "--case", .value = &only},
         {.name = "--many", .value = &many},          {.name = "--per", .value = &steps},
         {.name = "--script", .flag = &wants_script}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (wants_script) {
         fputs(script, stdout);
@@ -282,14 +286,19 @@ int bench_precision(int count, char **words) {
     int per = steps ? cli_whole_number(steps, "--per", 500) : 500;
     if (!phase_count || !balls || !per) return EXIT_USAGE;
     if (!steps) per = 0;
+    if (per && !is_step(per))
+        return cli_complain("--per is one of 1, 2, 3, 5, 8, 10, 12, 15, 20, 30, 50, 100, 200, 350, 500, not %d", per);
     if (per && per < 3 && !many)
         return cli_complain("--per 1 and 2 go with --many: without, the run ends before the contact does");
     int known = only == NULL;
-    for (int k = 0; k < precision_case_count && k < MOST; k++) {
-        names[k] = precision_cases[k].name;
-        known |= only && strcmp(only, names[k]) == 0;
+    for (int k = 0, n = 0; k < precision_case_count && n < MOST; k++) {
+        if (many && !precision_cases[k].many) continue;
+        known |= only && strcmp(only, precision_cases[k].name) == 0;
+        names[n++] = precision_cases[k].name;
     }
-    if (!known) return cli_complain("there is no case \"%s\"%s", only, scree_hint(only, names).text);
+    if (!known)
+        return cli_complain("there is no case \"%s\"%s%s", only, many ? " of many at once" : "",
+                            scree_hint(only, names).text);
     bench_describe_machine();
     printf("case,integrator,steps_per_contact,step_s,largest_error,run_us,ns_per_step,rms_error\n");
     for (int k = 0; k < precision_case_count; k++) {

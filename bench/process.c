@@ -4,8 +4,6 @@
  * whole, or less where the processor overlaps them. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
-
 static const char help[] =
     "usage: scree-bench process [--steps N] [--repeats N]\n"
     "\n"
@@ -94,7 +92,7 @@ int bench_process(int count, char **words) {
     const char *steps = NULL, *repeats = NULL;
     const struct cli_option options[] = {
         {.name = "--steps", .value = &steps}, {.name = "--repeats", .value = &repeats}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     int step_count = steps ? cli_whole_number(steps, "--steps", 100000000) : 20000;
     int repeat_count = repeats ? cli_whole_number(repeats, "--repeats", MOST_REPEATS) : 9;

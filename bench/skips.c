@@ -1,8 +1,6 @@
 /* scree-bench skips: what it saves to leave out what a scene doesn't need, and that the result is the same. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -169,7 +167,7 @@ static void measure_sleep(int repeats) {
 int bench_skips(int count, char **words) {
     const char *repeats = NULL;
     const struct cli_option options[] = {{.name = "--repeats", .value = &repeats}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     int repeat_count = repeats ? cli_whole_number(repeats, "--repeats", REPEATS) : 5;
     if (!repeat_count) return EXIT_USAGE;

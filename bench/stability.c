@@ -1,7 +1,6 @@
 /* scree-bench stability: where the step is stable, where it is right, and what the engine says to it. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
 #include "engine/scene_file.h"
 
 #include <complex.h>
@@ -253,17 +252,19 @@ static void print_map(int integrator, enum law law) {
     }
 }
 
-/* Largest omega*step up to which `good` holds, by halving between 1e-3 and 512. */
+static int is_good(const char *integrator, enum law law, double ratio, double turn, int right) {
+    double step = turn / omega;
+    return is_stable(integrator, law, ratio, step) && (!right || is_right(rate_errors(integrator, law, ratio, step)));
+}
+
+/* Largest omega*step below which all are stable (or right): upwards to the first that isn't, for some far beyond may be so again; then by
+ * halving. Gaps in what is right are narrower. */
 static double find_limit(const char *integrator, enum law law, double ratio, int right) {
-    double low = 1e-3, high = 512.0;
-    for (int k = 0; k < 22; k++) {
+    double low = 0.1, high = 0.1, stride = right ? 1.02 : 1.1;
+    for (; high < 512.0 && is_good(integrator, law, ratio, high, right); high *= stride) low = high;
+    for (int k = 0; k < 18; k++) {
         double middle = sqrt(low * high);
-        int good = is_stable(integrator, law, ratio, middle / omega);
-        if (good && right) good = is_right(rate_errors(integrator, law, ratio, middle / omega));
-        if (good)
-            low = middle;
-        else
-            high = middle;
+        *(is_good(integrator, law, ratio, middle, right) ? &low : &high) = middle;
     }
     return low;
 }
@@ -284,7 +285,7 @@ int bench_stability(int count, char **words) {
     int limits = 0, wants_script = 0;
     const struct cli_option options[] = {
         {.name = "--limits", .flag = &limits}, {.name = "--script", .flag = &wants_script}, {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (wants_script) {
         fputs(script, stdout);

@@ -1,7 +1,6 @@
 /* scree-bench stress: scenes far from the ordinary, what becomes of them, and what the engine says. */
 #include "bench/bench.h"
 
-#include "engine/cli/cli.h"
 #include "engine/scene_file.h"
 
 #include <math.h>
@@ -757,7 +756,7 @@ int bench_stress(int count, char **words) {
                                          {.name = "--rest", .flag = &only_rest},
                                          {.name = "--alone", .flag = &alone},
                                          {0}};
-    int code = cli_parse(&count, words, options, help);
+    int code = bench_parse(count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     long steps = wanted ? cli_whole_number(wanted, "--steps", 2000000000) : 10000000;
     if (!steps) return EXIT_USAGE;

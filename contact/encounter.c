@@ -361,7 +361,7 @@ static int too_many(const struct pair *p, double taken, int *rapid) {
 
 struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const struct scree_rule *rule,
                                           scree_encounter_watch *watch, void *context) {
-    enum { MOST_STEPS = 1000000 };
+    enum { MOST_STEPS = 1000000, MOST_TURNS = 200 }; /* what turns round so often has stayed */
     struct pair p = make_pair(e, rule);
     struct phase phase = {.approaching = 1};
     struct state s = {{0.0}};
@@ -371,7 +371,7 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
     struct scree_normal_force first = look(&p, &phase, &touch).law;
     phase.first = first.first;
     phase.second = first.second;
-    int rapid = 0;
+    int rapid = 0, turns = 0;
     record(&p, &phase, &s, time, &result, watch, context);
     while (result.steps < MOST_STEPS && !phase.over) {
         double error, taken = h;
@@ -390,14 +390,17 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
         if (force_rises(&p, &phase, &s) > 0.0 && force_rises(&p, &phase, &end) < 0.0)
             result.force = fmax(result.force, peak_within(&p, &phase, &s, &rate, taken));
         time += taken;
+        turns += next.approaching != phase.approaching;
         settle(&p, &phase, next, &end);
         s = end;
         p.stretch = fmax(p.stretch, length3(&s.y[STRETCH]));
         too_many(&p, taken, &rapid);
         record(&p, &phase, &s, time, &result, watch, context);
         h = fmin(h * (error > 0.0 ? fmin(4.0, 0.9 * scree_pow(error, -0.2)) : 4.0), 0.02 * p.time);
-        if (time > 300.0 * p.time) result.ending = SCREE_STAYED;
-        if (time > 300.0 * p.time) break;
+        if (turns >= MOST_TURNS || time > 300.0 * p.time) {
+            result.ending = SCREE_STAYED;
+            break;
+        }
     }
     if (phase.over) result.ending = SCREE_PARTED;
     result.impulse = vec_from(&s.y[IMPULSE]);

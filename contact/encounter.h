@@ -45,7 +45,7 @@ struct scree_moment {
 
 enum scree_ending {
     SCREE_PARTED,
-    SCREE_STAYED,    /* still in touch after 300 times the time in which the spring would stop the bodies */
+    SCREE_STAYED, /* still in touch after 300 times the time in which the spring would stop the bodies, or 200 turns round */
     SCREE_UNFINISHED /* the laws change faster than a million steps can follow */
 };
 

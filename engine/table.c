@@ -84,7 +84,8 @@ static scree_status parse_header(struct reader *r, char *line) {
         if (table->columns == SCREE_TABLE_COLUMNS)
             return complain(r, name, "more than %d columns", SCREE_TABLE_COLUMNS);
         if (!*name || strchr("+-.0123456789", *name))
-            return complain(r, name, "expected a header that names the columns, such as \"time_s,position_m\"");
+            return complain(r, name,
+                            "expected a header that names the columns, such as \"time_s,position_m\" or \"x,y,z\"");
         for (int k = 0; k < table->columns; k++)
             if (strcmp(table->name[k], name) == 0) return complain(r, name, "there are two columns \"%s\"", name);
         table->at[table->columns] = (int)(name - r->line_start) + 1;

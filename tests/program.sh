@@ -195,6 +195,8 @@ check 'impact: a corner' 0 'linear,none,' "$scree" impact --law 'linear stiffnes
     --ball 'box x=0.1 y=0.2 z=0.3 mass=6 tilt_x=20 tilt_y=30'
 check 'impact: a folder' 0 'written to' "$scree" impact --law 'hertz modulus=1e8' --friction "$slides" --sweep angle=0:80:9 -o "$work/impact"
 expect 'impact: its tables' test "$(grep -c '^hertz,ramp,' "$work/impact/impact.csv")" = 9 -a -s "$work/impact/loop.csv"
+check 'impact: glue holds what comes slowly' 0 ',stayed' "$scree" impact --law 'jkr modulus=1e8 adhesion=1' --ball 'sphere radius=0.001 density=2500' \
+    --speed 1e-3
 if command -v gnuplot >/dev/null; then expect 'impact: its plot' grep -q '</svg>' "$work/impact/impact.svg"; fi
 for wrong in "did you mean \"hertz\"?|--law|herz modulus=1" "did you mean \"modulus\"?|--law|hertz modulu=1" \
     "not both|--law|tsuji modulus=1e8 alpha=1 restitution=0.5" "neither is given|--law|tsuji modulus=1e8" \
@@ -303,6 +305,9 @@ resumed=$(coarse --set time.watch='"halve"' --resume halved1/final.state -o halv
 expect 'a halved run resumed has the same hash' test -n "$whole" -a "$whole" = "$resumed"
 check 'accuracy in the plan' 0 'by trial impacts' "$scree" check "$scenes/bounce.toml" --set time.accuracy=1e-3
 
+{ cat "$work/half/final.state"; echo; } >"$work/longer.state"
+check 'state with more behind it' 2 'goes on behind its end' "$scree" run "$scenes/incline.toml" -o "$work/x4" --set time.end=0.2 --resume "$work/longer.state"
+nothing_left "$work/x4"
 check 'state of another scene' 2 'another scene' "$scree" run "$scenes/transport.toml" -o "$work/x1" --resume "$work/half/final.state"
 nothing_left "$work/x1"
 check 'state that is none' 2 'no state file' "$scree" run "$scenes/incline.toml" -o "$work/x2" --resume "$scenes/incline.toml"
@@ -394,6 +399,7 @@ nothing_left "$work/limited/bodies.csv"
 nothing_left "$work/limited/bodies.csv.part"
 
 # Figures: with gnuplot and without.
+check 'an unknown path of the processor' 2 'baseline, avx2 or avx512, not "avx9"' env SCREE_ISA=avx9 "$scree" laws
 check 'list of figures' 0 '11b' "$scree" reproduce --list
 check 'a suite' 0 'bounds met' "$scree" reproduce --suite chung-ooi -o "$work/suite"
 check 'cases of a suite' 0 '21 of 21 bounds met' "$scree" reproduce rolling viscoelastic edge corner painleve stack cradle top \
@@ -408,6 +414,11 @@ check 'figure 8' 0 'bounds met' env PATH=/nonexistent "$scree" reproduce -o "$wo
 friction_laws=$("$scree" laws | sed -n '/^friction/,/^rolling/s/^  \([a-z0-9-]*\) .*/\1/p')
 for law in $friction_laws; do expect "figure 9 draws $law" grep -q "^\"$law\"," "$work/figures/fig_9.csv"; done
 for law in $normal_laws; do expect "figure 8 draws $law" grep -q "^\"$law\"," "$work/figures/fig_8.csv"; done
+mkdir "$work/bad"
+printf '#!/bin/sh\nexit 1\n' >"$work/bad/gnuplot"
+chmod +x "$work/bad/gnuplot"
+check 'figures when gnuplot fails' 1 'failed on 2 of the plots' env PATH="$work/bad:$PATH" "$scree" reproduce -o "$work/unplotted" 8 9
+expect 'all data are there when it fails' test -s "$work/unplotted/fig_8.csv" -a -s "$work/unplotted/fig_9.csv" -a -s "$work/unplotted/report.csv"
 if command -v gnuplot >/dev/null; then
     check 'figures with gnuplot' 0 'bounds met' "$scree" reproduce -o "$work/figures" 9
     expect 'a plot is drawn' grep -q '</svg>' "$work/figures/fig_9.svg"

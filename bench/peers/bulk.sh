@@ -10,6 +10,7 @@ SEED     of the places (default 1)
 
 example: bench/peers/bulk.sh build figures drum 2'
 [ $# -ge 3 ] || { echo "$usage" >&2; exit 2; }
+case $3 in heap | heap_rolling | drum | drum_mixed | crater) ;; *) echo "bulk.sh: there is no case \"$3\"" >&2; exit 2 ;; esac
 build=$(realpath "$1") figures=$(realpath "$2") name=$3 seed=${4:-1}
 here=$(realpath "$(dirname "$0")")
 export OMP_NUM_THREADS=1 LC_ALL=C

@@ -18,6 +18,9 @@ At the end, for each row of the others, what scree errs at the same run time.'
 build=$(realpath "$1") here=$(realpath "$(dirname "$0")")
 shift
 [ $# -ge 1 ] || set -- linear tsuji oblique
+for case in "$@"; do
+    case $case in linear | oblique | tsuji) ;; *) echo "precision.sh: there is no case \"$case\"" >&2; exit 2 ;; esac
+done
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1

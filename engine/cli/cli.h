@@ -34,6 +34,9 @@ int cli_parse(int *count, char **words, const struct cli_option *options, const 
 /* Print "scree: text" (or the name in cli_program) on standard error and return EXIT_USAGE. */
 SCREE_PRINTF(1, 2) int cli_complain(const char *format, ...);
 
+/* Complains if the environment variable SCREE_ISA names no processor's path; EXIT_GOOD if it does, or isn't there. */
+int cli_check_isa(void);
+
 /* The exit code that goes with a status. */
 int cli_exit_code(scree_status status);
 

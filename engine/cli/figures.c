@@ -182,8 +182,10 @@ scree_status figures_plot(struct figures *figures, const char *name, const char 
             figures->plots = 0;
             printf("gnuplot can't be started: the data (.csv) and the plot scripts (.gp) are there, the "
                    "plots aren't\n");
-        } else if (code)
-            status = scree_report(&figures->trouble, SCREE_FAILED, NULL, "gnuplot failed on %s", path);
+        } else if (code) {
+            figures->unplotted++;
+            printf("gnuplot failed on %s\n", path);
+        }
     }
     free(path);
     return status;

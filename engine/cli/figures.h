@@ -15,6 +15,7 @@ struct figures {
     int verlet; /* scenes of the suites go by Verlet's method, but for those that ask for the adaptive one */
     int silent; /* rows of the report go into the table only */
     int rows, missed;
+    int unplotted; /* plots that gnuplot failed on */
     FILE *summary; /* table of the report, CSV */
     scree_trouble trouble;
 };

@@ -40,6 +40,7 @@ static int dispatch(int count, char **words) {
         puts("scree " SCREE_VERSION);
         return EXIT_GOOD;
     }
+    if (cli_check_isa()) return EXIT_USAGE;
     const char *names[COMMANDS + 1] = {0};
     for (int k = 0; k < COMMANDS; k++) {
         names[k] = commands[k].name;

@@ -15,9 +15,10 @@ static const char help[] =
     "--list). For\n"
     "each: FIGURE.csv, FIGURE.svg drawn by gnuplot from FIGURE.gp, and rows of a table: quantity, expected, "
     "simulated, error\n"
-    "(relative; absolute where 0 is expected), bound. The table is printed and written to DIR/report.csv. "
-    "Exit status 1\n"
-    "if a bound is missed. Without gnuplot data and scripts are written all the same.\n"
+    "(relative; absolute where 0 is expected), bound. The table is printed and written to DIR/report.csv, which is "
+    "that "
+    "of the\n"
+    "last run. Exit status 1 if a bound is missed. Without gnuplot data and scripts are written all the same.\n"
     "\n"
     "  --suite NAME the cases of a suite that other codes are judged by, instead of the figures: mfix, chung-ooi,\n"
     "               classics, process, bulk (\"all\": each of them, and the figures)\n"
@@ -171,5 +172,7 @@ int cli_reproduce(int count, char **words) {
     double seconds = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
     printf("%d of %d bounds met, in %.1f s; written to %s\n", figures.rows - figures.missed, figures.rows, seconds,
            folder);
-    return figures.missed ? EXIT_MISSED : EXIT_GOOD;
+    if (figures.unplotted)
+        cli_complain("gnuplot failed on %d of the plots: their data and scripts are there", figures.unplotted);
+    return figures.missed || figures.unplotted ? EXIT_MISSED : EXIT_GOOD;
 }

@@ -262,6 +262,8 @@ static scree_status resume(struct run *run, const char *path) {
     double step = scree_scene_step_length(run->scene);
     scree_status status = scree_scene_restore(run->scene, file, path);
     if (status) run->trouble = *scree_scene_trouble(run->scene);
+    if (!status && fgetc(file) != EOF)
+        status = scree_report(&run->trouble, SCREE_BAD_INPUT, NULL, "%s: damaged: it goes on behind its end", path);
     fclose(file);
     if (status) return status;
     double time = scree_scene_time(run->scene), kept = scree_scene_step_length(run->scene);
