@@ -48,8 +48,8 @@ struct bench_spheres {
 struct bench_spheres bench_make_spheres(int count);
 void bench_free_spheres(struct bench_spheres *spheres);
 
-/* Out of a bed of small spheres on a floor of `edge` x `edge`, one of sizes up to `ratio` times as large: larger ones take the place of
- * those that are in their way. Ends the program where the largest doesn't fit. */
+/* Out of a bed of small spheres on a floor of `edge` x `edge`, one of sizes up to `ratio` times as large: larger ones
+ * take the place of those that are in their way. Ends the program where the largest doesn't fit. */
 struct bench_spheres bench_mix_sizes(const struct bench_spheres *small, double edge, double ratio);
 
 /* Print compiler, flags and processor, as comment lines of a CSV file. */

@@ -146,9 +146,10 @@ static void add_shaft(struct text *text, double width) {
             k, walls[k].x * width, walls[k].y * width, walls[k].turn);
 }
 
-/* A contact bears the heaviest box, a cube, at the speed of the longest fall, on the thinnest one: its overlap stays below the
- * tolerable one, half a half-width. Friction's spring is damped by half of what is critical for two of the lightest. The step is a twentieth of
- * the shortest contact, with all that can bear upon it: 2.5 automatic ones, and below half of what is stable. */
+/* A contact bears the heaviest box, a cube, at the speed of the longest fall, on the thinnest one: its overlap stays
+ * below the tolerable one, half a half-width. Friction's spring is damped by half of what is critical for two of the
+ * lightest. The step is a twentieth of the shortest contact, with all that can bear upon it: 2.5 automatic ones, and
+ * below half of what is stable. */
 static scree_scene *shaft_of_boxes(int count, int threads) {
     const double size = 0.01, cell = 1.65 * size, thinnest = 0.2; /* a cell is as wide as the longest diagonal */
     int row = (int)fmax(6.0, ceil(cbrt(8.0 * count)));

@@ -1,5 +1,5 @@
-/* scree-bench collide: boxes against an oracle, and what many impacts of boxes do to energy. Each block of pairs has a seed of its own,
- * so that the result is the same for any number of threads. */
+/* scree-bench collide: boxes against an oracle, and what many impacts of boxes do to energy. Each block of pairs has a
+ * seed of its own, so that the result is the same for any number of threads. */
 #include "bench/bench.h"
 
 #include "tests/boxes_impact.h"

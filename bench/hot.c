@@ -218,8 +218,8 @@ static double resident(void) {
     return (double)(pages - of_files) * (double)sysconf(_SC_PAGESIZE);
 }
 
-/* Nanoseconds per body of stages run alone, on the scene as it is at the end: contacts, a near list, an outer list with its near
- * list. What is left of a step is the moving of bodies. */
+/* Nanoseconds per body of stages run alone, on the scene as it is at the end: contacts, a near list, an outer list with
+ * its near list. What is left of a step is the moving of bodies. */
 struct stages {
     double contacts, near, outer;
 };

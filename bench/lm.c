@@ -1,5 +1,5 @@
-/* scree-bench lm: time of a least-squares solve against the number of residuals; calls and digits on test problems; beside other
- * solvers if the build has found them. */
+/* scree-bench lm: time of a least-squares solve against the number of residuals; calls and digits on test problems;
+ * beside other solvers if the build has found them. */
 #include "bench/bench.h"
 
 #include "bench/peers/peers.h"

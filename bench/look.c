@@ -1,4 +1,5 @@
-/* scree-bench look: what a scene of many spheres is like at its start, to compare the states that several programs arrive at. */
+/* scree-bench look: what a scene of many spheres is like at its start, to compare the states that several programs
+ * arrive at. */
 #include "bench/bench.h"
 
 #include "engine/scene.h"

@@ -1,5 +1,5 @@
-/* The least-squares problems of More, Garbow & Hillstrom (ACM Trans. Math. Softw. 7 (1981) 17) with analytic Jacobians, and those
- * that MINPACK's own tests add. Numbers in comments are theirs. */
+/* The least-squares problems of More, Garbow & Hillstrom (ACM Trans. Math. Softw. 7 (1981) 17) with analytic Jacobians,
+ * and those that MINPACK's own tests add. Numbers in comments are theirs. */
 #include "bench/problems.h"
 
 #include "bodies/elementary.h"

@@ -1,5 +1,5 @@
-/* The nonlinear regression problems of NIST's Statistical Reference Datasets (itl.nist.gov/div898/strd), models with analytic
- * derivatives; data, starts and certified values are read from NIST's own files. */
+/* The nonlinear regression problems of NIST's Statistical Reference Datasets (itl.nist.gov/div898/strd), models with
+ * analytic derivatives; data, starts and certified values are read from NIST's own files. */
 #include "bench/problems.h"
 
 #include "bodies/elementary.h"
@@ -11,7 +11,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* With elementary functions that give the same bits everywhere: on the hard problems an iteration's way depends on every bit. */
+/* With elementary functions that give the same bits everywhere: on the hard problems an iteration's way depends on
+ * every bit. */
 static double logarithm(double x) { return x > 0.0 ? scree_log(x) : NAN; }
 static double power(double x, double p) { return scree_exp(p * logarithm(x)); }
 

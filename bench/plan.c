@@ -1,4 +1,5 @@
-/* scree-bench plan: time of planning many operating speeds with the process model in the loop, against the clearance that is left. */
+/* scree-bench plan: time of planning many operating speeds with the process model in the loop, against the clearance
+ * that is left. */
 #include "bench/bench.h"
 
 #include "engine/cli/process.h"

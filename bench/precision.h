@@ -31,8 +31,8 @@ struct precision_case {
 extern const struct precision_case precision_cases[];
 extern const int precision_case_count;
 
-/* A sphere set on a slope `alpha` (rad) with `speed` (m/s) down it, without spin, on the overlap of its weight: spring k (N/m)
- * and sliding limit mu; friction is a spring k_t with that limit. */
+/* A sphere set on a slope `alpha` (rad) with `speed` (m/s) down it, without spin, on the overlap of its weight: spring
+ * k (N/m) and sliding limit mu; friction is a spring k_t with that limit. */
 struct precision_ball {
     double radius, mass, gravity, alpha, k, k_t, mu, speed, time;
 };
@@ -40,8 +40,9 @@ struct precision_ball {
 /* Its way (m), velocity (m/s) and velocity of rolling (spin times radius, m/s) after `time`: exact. */
 void precision_roll(const struct precision_ball *ball, double numbers[3]);
 
-/* Height above touch (m) and velocity (m/s), at `time`, of a ball that falls with `speed` from touch on a spring of stiffness k that
- * may pull, damping ratio zeta; returns the bounces until then. Exact but for the roots, found to rounding. */
+/* Height above touch (m) and velocity (m/s), at `time`, of a ball that falls with `speed` from touch on a spring of
+ * stiffness k that may pull, damping ratio zeta; returns the bounces until then. Exact but for the roots, found to
+ * rounding. */
 int precision_bounce(double mass, double gravity, double k, double zeta, double speed, double time, double numbers[2]);
 
 #endif

@@ -45,7 +45,8 @@ static void look_slide(const struct precision_case *self, const scree_scene *sce
     numbers[0] = named(scene, "first").position[0] / 1.7e-3;
 }
 
-/* Of a box that slides down a slope of 20 degrees: way and velocity in parts of what they would be rigidly after 0.2 s. */
+/* Of a box that slides down a slope of 20 degrees: way and velocity in parts of what they would be rigidly after 0.2
+ * s. */
 static void look_incline(const struct precision_case *self, const scree_scene *scene, double *numbers) {
     scree_body_state first = named(scene, "first");
     double pull = 3.3552176060248105 - 0.3 * 9.218384609909762;
@@ -215,7 +216,8 @@ static void look_heap(const struct precision_case *self, const scree_scene *scen
 /* ---- the table ---- */
 
 static const double half[] = {0.5}, whole[] = {1.0};
-/* data/reference: newtons_cradle.csv, restitution_thornton_elastoplastic.csv, dem03 and torque_free_top.csv (last rows). */
+/* data/reference: newtons_cradle.csv, restitution_thornton_elastoplastic.csv, dem03 and torque_free_top.csv (last
+ * rows). */
 static const double cradle[] = {-0.130261695065, 0.150229569434, 0.980032125631};
 static const double thornton[] = {0.77333689897015};
 static const double squeezed[] = {4.30837671247574e-4 / 5e-5, 0.00137229600808934 / 5e-5, 0.0193113650496113 / 0.5,

@@ -1,5 +1,5 @@
-/* Test problems of nonlinear least squares, shared by tests and benchmarks: the 27 of NIST's StRD and the 39 of More, Garbow &
- * Hillstrom, with analytic Jacobians. */
+/* Test problems of nonlinear least squares, shared by tests and benchmarks: the 27 of NIST's StRD and the 39 of More,
+ * Garbow & Hillstrom, with analytic Jacobians. */
 #ifndef SCREE_BENCH_PROBLEMS_H
 #define SCREE_BENCH_PROBLEMS_H
 
@@ -47,7 +47,8 @@ extern const struct mgh mgh_problems[MGH_PROBLEMS];
 /* The problem for the solver; its context is `problem`. */
 scree_lm_problem mgh_problem(const struct mgh *problem);
 
-/* The standard start times 1, 10 or 100 (`run` 0 … 2); where that is zero, 1 times 10 or 100, as MINPACK's tests have it. */
+/* The standard start times 1, 10 or 100 (`run` 0 … 2); where that is zero, 1 times 10 or 100, as MINPACK's tests have
+ * it. */
 void mgh_start(const struct mgh *problem, int run, double *x);
 
 enum mgh_kind { MGH_GLOBAL, MGH_LOCAL, MGH_NEITHER };

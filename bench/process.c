@@ -1,7 +1,7 @@
 /* scree-bench process: time of a step in small scenes, and where it goes.
  *
- * Each stage of the step is also run alone, over and over on the scene as it is then; the stages alone add up to about the
- * whole, or less where the processor overlaps them. */
+ * Each stage of the step is also run alone, over and over on the scene as it is then; the stages alone add up to about
+ * the whole, or less where the processor overlaps them. */
 #include "bench/bench.h"
 
 static const char help[] =

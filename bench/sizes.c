@@ -1,5 +1,5 @@
-/* Beds of spheres of many sizes, out of a settled bed of one: larger spheres take the place of those that are in their way. So hardly
- * anything falls, and what is heavy crushes nothing. */
+/* Beds of spheres of many sizes, out of a settled bed of one: larger spheres take the place of those that are in their
+ * way. So hardly anything falls, and what is heavy crushes nothing. */
 #include "bench/bench.h"
 
 #include "engine/cli/cli.h"
@@ -75,7 +75,8 @@ static double depth_of(const struct bench_spheres *spheres) {
     return depth;
 }
 
-/* Each size sqrt(10) times as large as the next one and a hundredth as often, so that each fills a third of what the next does; at least one. */
+/* Each size sqrt(10) times as large as the next one and a hundredth as often, so that each fills a third of what the
+ * next does; at least one. */
 struct bench_spheres bench_mix_sizes(const struct bench_spheres *small, double edge, double ratio) {
     enum { SIZES = 16 }; /* more than there are between 1 and any ratio that is allowed */
     uint64_t seed = 11;

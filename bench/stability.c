@@ -51,9 +51,9 @@ static const char script[] =
 /* Largest stable omega*step at a damping ratio: engine/plan.c, h^2 K + 4 h C = 4. */
 static double verlet_limit(double damping) { return 2.0 * (sqrt(1.0 + 4.0 * damping * damping) - 2.0 * damping); }
 
-/* The same where the spring's stretch is summed up from predicted velocities. With a = h^2 K, b = h C, e = b/2 - a/4 the scheme's
- * polynomial is (z - 1)^2 (z + e) + a z^2 + b z (z - 1): a root leaves at z = -1 where b = 1, or a pair of roots where
- * b + e (a + b) = 0. Without damping that is at once: the motion grows by a^2/8 a step. */
+/* The same where the spring's stretch is summed up from predicted velocities. With a = h^2 K, b = h C, e = b/2 - a/4
+ * the scheme's polynomial is (z - 1)^2 (z + e) + a z^2 + b z (z - 1): a root leaves at z = -1 where b = 1, or a pair of
+ * roots where b + e (a + b) = 0. Without damping that is at once: the motion grows by a^2/8 a step. */
 static double verlet_limit_of_stretch(double damping) {
     double low = 0.0, high = damping > 0.0 ? 0.5 / damping : 2.0;
     for (int k = 0; k < 60; k++) {
@@ -66,7 +66,8 @@ static double verlet_limit_of_stretch(double damping) {
     return low;
 }
 
-/* Classical Runge-Kutta, which a lone pair is integrated by: |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 for both z = lambda h. */
+/* Classical Runge-Kutta, which a lone pair is integrated by: |1 + z + z^2/2 + z^3/6 + z^4/24| <= 1 for both z = lambda
+ * h. */
 static double runge_kutta_limit(double damping) {
     double complex root = csqrt(damping * damping - 1.0), rate[2] = {-damping + root, -damping - root};
     double turn = 0.0;
@@ -92,8 +93,8 @@ static const struct {
 enum law { LINEAR, HERTZ, TSUJI, HUNT_CROSSLEY, COULOMB, LAWS };
 static const char *const law_names[LAWS] = {"linear", "hertz", "tsuji", "hunt-crossley", "coulomb"};
 
-/* 1 kg, 1000 rad/s, pressed in by 1 mm of the 5 mm that a ball of 1 cm tolerates. The swing is so small beside that that
- * Hertz's spring is a linear one, and nothing slips, even after a growth by 100. */
+/* 1 kg, 1000 rad/s, pressed in by 1 mm of the 5 mm that a ball of 1 cm tolerates. The swing is so small beside that
+ * that Hertz's spring is a linear one, and nothing slips, even after a growth by 100. */
 static const double omega = 1e3, pressed = 1e-3, swing = 1e-9;
 
 enum { GRID = 40, RATIOS = 21 };
@@ -148,7 +149,8 @@ static scree_scene *make_scene(const char *integrator, enum law law, double rati
     scree_status status = scree_read_scene(text, strlen(text), "stability", NULL, 0, 1, &scene, &request, &trouble);
     scree_free_request(&request);
     if (!status) {
-        /* As if it had lain there before it got its speed: the impulse of the last step, from which velocities are predicted. */
+        /* As if it had lain there before it got its speed: the impulse of the last step, from which velocities are
+         * predicted. */
         double *impulse = scene->bodies.record[scree_scene_find_body(scene, "ball")].f;
         impulse[0] = impulse[1] = 0.0;
         impulse[2] = gravity * step;
@@ -194,9 +196,10 @@ struct errors {
         decay; /* relative; NAN where the exact value is zero (decay: then growth or decay beside omega) */
 };
 
-/* Follows q = v - mu x, in which the exact motion is exp(lambda t): the pair of rates is lambda, mu, and lambda the slow one of two
- * real ones. What the scheme's own modes differ from the exact ones wobbles about the mean rate, so some time is
- * left out at the start for the fast mode to die, and the mean taken over up to two periods or a decay by e^-8. */
+/* Follows q = v - mu x, in which the exact motion is exp(lambda t): the pair of rates is lambda, mu, and lambda the
+ * slow one of two real ones. What the scheme's own modes differ from the exact ones wobbles about the mean rate, so
+ * some time is left out at the start for the fast mode to die, and the mean taken over up to two periods or a decay by
+ * e^-8. */
 static struct errors rate_errors(const char *integrator, enum law law, double ratio, double step) {
     double complex root = csqrt(ratio * ratio - 1.0), lambda = omega * (-ratio + root), mu = omega * (-ratio - root);
     double skip = ratio >= 1.0 ? 3.0 / cabs(mu) : 0.0;
@@ -257,8 +260,8 @@ static int is_good(const char *integrator, enum law law, double ratio, double tu
     return is_stable(integrator, law, ratio, step) && (!right || is_right(rate_errors(integrator, law, ratio, step)));
 }
 
-/* Largest omega*step below which all are stable (or right): upwards to the first that isn't, for some far beyond may be so again; then by
- * halving. Gaps in what is right are narrower. */
+/* Largest omega*step below which all are stable (or right): upwards to the first that isn't, for some far beyond may be
+ * so again; then by halving. Gaps in what is right are narrower. */
 static double find_limit(const char *integrator, enum law law, double ratio, int right) {
     double low = 0.1, high = 0.1, stride = right ? 1.02 : 1.1;
     for (; high < 512.0 && is_good(integrator, law, ratio, high, right); high *= stride) low = high;

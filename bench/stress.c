@@ -39,7 +39,8 @@ struct row {
     int halvings;
 };
 
-/* Cases run twice: the second time with the step halved where it goes wrong, those that the first time didn't go right. */
+/* Cases run twice: the second time with the step halved where it goes wrong, those that the first time didn't go
+ * right. */
 enum { MOST_ROWS = 512 };
 static struct {
     const char *integrator; /* NULL: as the scene has it */
@@ -157,7 +158,8 @@ static scree_scene *make(struct row *row, const struct text *text) {
     return NULL;
 }
 
-/* 1: went through; 0: stopped, which the row notes. So many steps of the length at the start: more once it has been halved. */
+/* 1: went through; 0: stopped, which the row notes. So many steps of the length at the start: more once it has been
+ * halved. */
 static int step(struct row *row, scree_scene *scene, long steps) {
     scree_status status = scree_scene_step(scene, steps << scree_scene_halvings(scene));
     int halvings = scree_scene_halvings(scene);
@@ -183,8 +185,8 @@ static double moving(scree_scene *scene) {
     return now.kinetic + now.rotational;
 }
 
-/* What `scree run` says at the end: of a step above a tenth of a contact, of bodies too fast to graze, and of books that lack a tenth of the energy turned
- * over (engine/cli/run.c). `largest` is the most that the motion had, J. */
+/* What `scree run` says at the end: of a step above a tenth of a contact, of bodies too fast to graze, and of books
+ * that lack a tenth of the energy turned over (engine/cli/run.c). `largest` is the most that the motion had, J. */
 static void note_warnings(struct row *row, scree_scene *scene, double largest) {
     const struct scree_step_choice *choice = &scene->plan.choice;
     scree_energy now = energy(scene);
@@ -363,7 +365,8 @@ static void shot(enum target target, double speeds, int automatic) {
     finish(&row);
 }
 
-/* Sideways speed that a ball at `speed` (m/s) takes from a ball that it passes with an overlap of 0.2 radii. NAN: stopped. */
+/* Sideways speed that a ball at `speed` (m/s) takes from a ball that it passes with an overlap of 0.2 radii. NAN:
+ * stopped. */
 static double deflection(struct row *row, double speed, double length, double phase) {
     static struct text text;
     char time[64];
@@ -485,7 +488,8 @@ static void sticking(double turn, double ratio) {
 
 /* ---- long rests ---- */
 
-/* A box on a slope of `load` (tangent), held by friction: what it moves by in the second half, beyond the law's own creep. */
+/* A box on a slope of `load` (tangent), held by friction: what it moves by in the second half, beyond the law's own
+ * creep. */
 static void rest(const char *law, const char *friction, double load, double creep, long steps) {
     struct row row = begin("long rest", "speed in the second half beyond the law's creep (m/s)", NAN, 1e-9,
                            "box on a slope of %g, %s; %ld steps of 1e-5 s", load, law, steps);
@@ -512,9 +516,9 @@ static void rest(const char *law, const char *friction, double load, double cree
     scree_scene_destroy(scene);
 }
 
-/* Bodies that lie still: fastest motion, and how far they are from the heights that are given (0: from where they lay after
- * `settling` steps). A position can't be better than its last digit, 2.8e-17 m
- * at 0.2 m, which the forces move it by within a step; ten bodies on each other add theirs up. */
+/* Bodies that lie still: fastest motion, and how far they are from the heights that are given (0: from where they lay
+ * after `settling` steps). A position can't be better than its last digit, 2.8e-17 m at 0.2 m, which the forces move it
+ * by within a step; ten bodies on each other add theirs up. */
 static void lie(const char *what, const char *integrator, const struct text *text, long settling, long steps,
                 const double *heights, double overlap, double bound) {
     struct row speed =
@@ -542,8 +546,8 @@ static void lie(const char *what, const char *integrator, const struct text *tex
     scree_scene_destroy(scene);
 }
 
-/* Spheres on each other, set down on the overlaps that carry them. Verlet doesn't know at its first step what the contacts do to
- * the bodies, and predicts a free fall of half a step: that swing must die away before it rests. */
+/* Spheres on each other, set down on the overlaps that carry them. Verlet doesn't know at its first step what the
+ * contacts do to the bodies, and predicts a free fall of half a step: that swing must die away before it rests. */
 static void lie_stacked(int count, const char *integrator, double gravity, double stiffness, double mass, double length,
                         long steps) {
     enum { MOST = 10 };

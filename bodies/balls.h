@@ -1,5 +1,5 @@
-/* How free balls move alone: the two halves of the step (bodies.h), for one ball, on rows of four numbers at once. In a header, so that
- * whoever has the ball at hand can move it. */
+/* How free balls move alone: the two halves of the step (bodies.h), for one ball, on rows of four numbers at once. In a
+ * header, so that whoever has the ball at hand can move it. */
 #ifndef SCREE_BODIES_BALLS_H
 #define SCREE_BODIES_BALLS_H
 
@@ -27,8 +27,8 @@ static inline void scree_row_put(scree_row a, double *old) {
     *(scree_bits *)old = ((scree_bits)a & three) | (*(const scree_bits *)old & ~three);
 }
 
-/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such numbers
- * become denormal, on which processors take a slow path; so numbers this small are zero. */
+/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such
+ * numbers become denormal, on which processors take a slow path; so numbers this small are zero. */
 static inline scree_row scree_row_settle(scree_row a) {
     const scree_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
     const scree_row least = {1e-140, 1e-140, 1e-140, 1e-140};
@@ -50,7 +50,8 @@ static inline void scree_ball_stay(struct scree_ball_rows rows, double position[
     for (int k = 0; k < 3; k++) position[k] = rows.x[k];
 }
 
-/* Kick by the impulses in the record and by gravity at mid-step, and drift to the end of the step. Returns the new state. */
+/* Kick by the impulses in the record and by gravity at mid-step, and drift to the end of the step. Returns the new
+ * state. */
 static inline struct scree_ball_rows scree_ball_advance(const struct scree_record *record, struct scree_state *state,
                                                         double step, scree_row gravity) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t;
@@ -64,8 +65,8 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
     return (struct scree_ball_rows){x, v, l};
 }
 
-/* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. Returns the square of the speed, with
- * which the path has yet to grow: roots are taken for many balls at once. */
+/* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. Returns the square of the
+ * speed, with which the path has yet to grow: roots are taken for many balls at once. */
 static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows state, double step,
                                            scree_row gravity) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};

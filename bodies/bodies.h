@@ -62,7 +62,8 @@ struct scree_past {
     double range;                   /* bound of the way that any point of the body makes in the step, m */
 };
 
-/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads. All zero of fixed bodies. */
+/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads. All zero of fixed
+ * bodies. */
 struct scree_push {
     double along[4];     /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
     double more[4];      /* what extrapolation from the last two steps adds to it, m/s^2 */
@@ -88,9 +89,9 @@ enum scree_body_class {
     SCREE_CLASS_ASLEEP   /* a ball or box left alone for a while (contact/rest.h) */
 };
 
-/* Where bodies lie in memory. A scene of many balls keeps them sorted in space: in slabs across its longest extent, within a slab in
- * rows. Two balls of slabs that aren't neighbours don't touch as long as the order holds. Walls, boxes, driven and
- * very large bodies are no members; they come first, in the order of their numbers. */
+/* Where bodies lie in memory. A scene of many balls keeps them sorted in space: in slabs across its longest extent,
+ * within a slab in rows. Two balls of slabs that aren't neighbours don't touch as long as the order holds. Walls,
+ * boxes, driven and very large bodies are no members; they come first, in the order of their numbers. */
 enum { SCREE_SLABS = 64 };
 struct scree_order {
     int slabs;                  /* 0: bodies lie in the order of their numbers */
@@ -151,7 +152,8 @@ double scree_body_mass(const scree_body_def *def, double density);
 /* Attitude that a definition asks for, normalised. */
 struct quat scree_start_attitude(const scree_body_def *def);
 
-/* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass. SCREE_NO_MEMORY. */
+/* Fill body `index` from a checked definition; `density` in kg/m^3 counts where the definition gives no mass.
+ * SCREE_NO_MEMORY. */
 scree_status scree_bodies_set(struct scree_bodies *bodies, int index, const scree_body_def *def, double density,
                               scree_trouble *trouble);
 
@@ -178,7 +180,8 @@ void scree_bodies_advance(struct scree_bodies *bodies, double time, double step,
 void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double time, double step,
                                const double gravity[3]);
 
-/* Positions of members that were to hurry on but don't, from their records in the middle of the next step; to rounding. */
+/* Positions of members that were to hurry on but don't, from their records in the middle of the next step; to
+ * rounding. */
 void scree_bodies_find_positions(struct scree_bodies *bodies, double step);
 
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
@@ -210,7 +213,8 @@ void scree_bodies_sort(struct scree_bodies *bodies, double range, uint64_t *key,
 /* Whether so many bodies have left their places that sorting pays. It depends on the state alone. */
 int scree_bodies_disordered(const struct scree_bodies *bodies);
 
-/* Permute an array of things of `size` bytes (at most those of a scree_past): what is at from[k] goes to k. NULL is left alone. */
+/* Permute an array of things of `size` bytes (at most those of a scree_past): what is at from[k] goes to k. NULL is
+ * left alone. */
 void scree_permute(void *array, size_t size, int *from, int count);
 
 /* Put the bodies in a given order: the body at place from[k] goes to place k. */
@@ -222,9 +226,9 @@ void scree_bodies_mark_slabs(struct scree_bodies *bodies);
 /* ---- for the pair-impulse method ----
  *
  * Pairs integrate their own motion inside the step, from the state at its start, and return impulses and their first
- * moments about the end of the step: v += g h + sum J/m, x += h v + g h^2/2 + sum M/m. Rotation likewise: a box turns for
- * the first half of the step at the angular momentum l of its start, for the second at l + 2 M/h, which under a constant
- * torque is that of its end; second order, and angular momentum is kept to rounding. */
+ * moments about the end of the step: v += g h + sum J/m, x += h v + g h^2/2 + sum M/m. Rotation likewise: a box turns
+ * for the first half of the step at the angular momentum l of its start, for the second at l + 2 M/h, which under a
+ * constant torque is that of its end; second order, and angular momentum is kept to rounding. */
 
 /* Space for what that method keeps; SCREE_NO_MEMORY. */
 scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble);

@@ -1,5 +1,5 @@
-/* Memory for arrays: small ones from the heap, large ones from the system. In the heap the arrays that lists have outgrown would leave
- * holes, a tenth of a large scene. */
+/* Memory for arrays: small ones from the heap, large ones from the system. In the heap the arrays that lists have
+ * outgrown would leave holes, a tenth of a large scene. */
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS, madvise */
 #include "bodies/memory.h"
 

@@ -1,5 +1,5 @@
-/* How bodies move by impulses and their first moments, and what pairs have to know of them beforehand: the bodies' part of the
- * pair-impulse method. */
+/* How bodies move by impulses and their first moments, and what pairs have to know of them beforehand: the bodies' part
+ * of the pair-impulse method. */
 #include "bodies/balls.h"
 #include "bodies/turning.h"
 
@@ -101,8 +101,8 @@ static void know(const struct scree_bodies *bodies, const struct scree_bodies *n
     vec_store(turn, past->known_turn);
 }
 
-/* An upper bound, with room for rounding, of the way of a body's points in the step if the accelerations of the last two
- * steps go on or are extrapolated. */
+/* An upper bound, with room for rounding, of the way of a body's points in the step if the accelerations of the last
+ * two steps go on or are extrapolated. */
 static double range_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, double step) {
     const struct scree_past *past = &bodies->past[index];
     const struct scree_record *record = &now->record[index];

@@ -23,8 +23,8 @@ typedef enum scree_table_law {
     SCREE_TABLE_SPLINE,          /* natural cubic spline: acceleration without jumps, zero at both ends */
     SCREE_TABLE_CUBIC,           /* cubic pieces through position and velocity */
     SCREE_TABLE_QUINTIC,         /* quintic pieces through position, velocity and acceleration */
-    SCREE_TABLE_VELOCITY_QUINTIC /* velocity in quintic pieces through velocity, acceleration and jerk; the positions must be
-                                    its integral */
+    SCREE_TABLE_VELOCITY_QUINTIC /* velocity in quintic pieces through velocity, acceleration and jerk; the positions
+                                    must be its integral */
 } scree_table_law;
 
 /* A motion starts at `offset` and rests there until `start`; after its end it keeps its last position. Angles count

@@ -1,5 +1,6 @@
-/* The order of bodies in memory: sorted in space, so that what touches lies near to each other, and so that contacts can be worked off
- * slab by slab. Everything here is a function of the state, so that it doesn't matter when or how often it is looked at. */
+/* The order of bodies in memory: sorted in space, so that what touches lies near to each other, and so that contacts
+ * can be worked off slab by slab. Everything here is a function of the state, so that it doesn't matter when or how
+ * often it is looked at. */
 #include "bodies/bodies.h"
 
 #include <math.h>

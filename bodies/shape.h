@@ -6,10 +6,10 @@
 
 typedef enum scree_shape_kind {
     SCREE_SPHERE = 0,
-    SCREE_BOX,   /* a box with rounded edges: a core box swept by a sphere of the rounding radius */
-    SCREE_PLANE, /* the half-space below z = 0 of the body's axes; normal = body z */
-    SCREE_RECTANGLE, /* that plane, active only inside |x| <= edge[0]/2, |y| <= edge[1]/2 of the body's axes; bodies that are
-                        wholly below it don't touch it */
+    SCREE_BOX,       /* a box with rounded edges: a core box swept by a sphere of the rounding radius */
+    SCREE_PLANE,     /* the half-space below z = 0 of the body's axes; normal = body z */
+    SCREE_RECTANGLE, /* that plane, active only inside |x| <= edge[0]/2, |y| <= edge[1]/2 of the body's axes; bodies
+                        that are wholly below it don't touch it */
     SCREE_SHAPE_KINDS
 } scree_shape_kind;
 

@@ -11,8 +11,8 @@ enum { LONGEST_NAME = 80, NAME_HEAD = 40, NAME_TAIL = 24, TEXT_HEAD = 200 };
 
 static const char dots[] = "\xe2\x80\xa6"; /* … */
 
-/* One character of the UTF-8 text `from` as it may be shown, into `to`; returns how many bytes of `from` it is. What would
- * act on a terminal or break a line (C0, DEL, C1) becomes \n, \t or \x1b. */
+/* One character of the UTF-8 text `from` as it may be shown, into `to`; returns how many bytes of `from` it is. What
+ * would act on a terminal or break a line (C0, DEL, C1) becomes \n, \t or \x1b. */
 static size_t show(const char *from, char to[8]) {
     unsigned c = (unsigned char)from[0], next = c ? (unsigned char)from[1] : 0;
     if (c == 0xc2 && next >= 0x80 && next < 0xa0) {

@@ -15,7 +15,8 @@
 
 typedef enum scree_status {
     SCREE_OK = 0,
-    SCREE_BAD_INPUT, /* a definition or a file that makes no sense; nothing was changed, but a scene that was to be baked is lost */
+    SCREE_BAD_INPUT, /* a definition or a file that makes no sense; nothing was changed, but a scene that was to be
+                        baked is lost */
     SCREE_NO_MEMORY, /* an allocation failed; the state is kept */
     SCREE_NO_FILE,   /* a file that can't be opened, read or written */
     SCREE_FAILED     /* the simulation went wrong and was stopped */
@@ -35,8 +36,9 @@ typedef struct scree_trouble {
 /* ---- inside the library and its programs; the shared library keeps these to itself ---- */
 
 /* Fill the record; returns `status`, so that a failure can be reported and returned in one line. `field` may be
- * NULL. A NULL record is allowed: then only the status is returned. Control characters are shown as \n or \x1b; a text too
- * long for the record loses the middle of its long names ("…" stands there), never its end, which holds the cause. */
+ * NULL. A NULL record is allowed: then only the status is returned. Control characters are shown as \n or \x1b; a text
+ * too long for the record loses the middle of its long names ("…" stands there), never its end, which holds the
+ * cause. */
 SCREE_PRINTF(4, 5)
 scree_status scree_report(scree_trouble *trouble, scree_status status, const char *field, const char *format, ...);
 

@@ -1,13 +1,13 @@
-/* What the ways of advancing bodies share (advance.c, moments.c): the turning of a body, motions, rest. For each of them to
- * inline. */
+/* What the ways of advancing bodies share (advance.c, moments.c): the turning of a body, motions, rest. For each of
+ * them to inline. */
 #ifndef SCREE_BODIES_TURNING_H
 #define SCREE_BODIES_TURNING_H
 
 #include "bodies/bodies.h"
 #include "bodies/elementary.h"
 
-/* Sine and cosine of an angle x and of 2x. In every sensible step angles are small, and a body's rotation is a chain of six
- * such turns, each waiting for the one before: so the short series, with few operations one after the other, comes
+/* Sine and cosine of an angle x and of 2x. In every sensible step angles are small, and a body's rotation is a chain of
+ * six such turns, each waiting for the one before: so the short series, with few operations one after the other, comes
  * first. Both ways are exact to rounding. */
 struct turn {
     double sine, cosine, sine2, cosine2;
@@ -69,8 +69,8 @@ static inline struct quat rotate_freely(struct quat q, const struct mat *frame, 
     return (struct quat){s * q.w, s * q.x, s * q.y, s * q.z};
 }
 
-/* Turn for time t at the given angular momentum, whatever the joint. `frame` belongs to q; `angle` is that of a driven turn
- * at the end. */
+/* Turn for time t at the given angular momentum, whatever the joint. `frame` belongs to q; `angle` is that of a driven
+ * turn at the end. */
 static inline struct quat rotate(const struct scree_attitude *attitude, const struct scree_inertia *inertia,
                                  const scree_joint *joint, struct quat q, const struct mat *frame, struct vec l,
                                  double t, int second, double angle) {
@@ -85,8 +85,8 @@ static inline void drive_to(const struct scree_bodies *bodies, double time) {
     for (int k = 0; k < bodies->motions; k++) bodies->moved[k] = scree_motion_at(&bodies->motion[k], time);
 }
 
-/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such numbers
- * become denormal, on which processors take a slow path; so numbers this small are zero. */
+/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such
+ * numbers become denormal, on which processors take a slow path; so numbers this small are zero. */
 static inline double settle(double x) { return fabs(x) < 1e-140 ? 0.0 : x; }
 
 #endif

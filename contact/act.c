@@ -1,12 +1,13 @@
 /* All near contacts through one step.
  *
- * Segment 0 first: its blocks yield impulses by as many threads, and these are added to the bodies one after the other. Then slabs,
- * whose contacts add straight to their bodies. A slab's contacts reach into the next slab. Slabs go in stretches, one after the other,
- * but the last of a stretch waits for the first of the next; so stretches don't depend on each other, no two slabs at work at
- * the same time have a body in common, and every sum has one order, for any number of threads.
+ * Segment 0 first: its blocks yield impulses by as many threads, and these are added to the bodies one after the other.
+ * Then slabs, whose contacts add straight to their bodies. A slab's contacts reach into the next slab. Slabs go in
+ * stretches, one after the other, but the last of a stretch waits for the first of the next; so stretches don't depend
+ * on each other, no two slabs at work at the same time have a body in common, and every sum has one order, for any
+ * number of threads.
  *
- * A body is finished when the slab that it belongs to and the one before are. Most are so as soon as the contacts of their own slab have
- * passed them by: they move on right behind the contacts, while they are at hand. */
+ * A body is finished when the slab that it belongs to and the one before are. Most are so as soon as the contacts of
+ * their own slab have passed them by: they move on right behind the contacts, while they are at hand. */
 #include "contact/loop.h"
 #include "contact/rest.h"
 
@@ -90,7 +91,8 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
 
 /* ---- slabs ---- */
 
-/* Slabs in a stretch. Long stretches have more bodies that move on at once; of few slabs they'd keep few threads busy. */
+/* Slabs in a stretch. Long stretches have more bodies that move on at once; of few slabs they'd keep few threads
+ * busy. */
 static int stretch_of(const struct scree_bodies *bodies) { return bodies->order.slabs < 32 ? 2 : 4; }
 
 struct slabs {
@@ -160,7 +162,8 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
     }
 }
 
-/* Slabs of the stretch that begins with slab `first`, but for one that waits; `behind`: and the one that has waited for the first. */
+/* Slabs of the stretch that begins with slab `first`, but for one that waits; `behind`: and the one that has waited for
+ * the first. */
 static void act_stretch(const struct slabs *all, int first, int behind) {
     int slabs = all->bodies->order.slabs, next = first + all->stretch, end = next < slabs ? next - 1 : slabs;
     act_slab(all, first);
@@ -168,8 +171,8 @@ static void act_stretch(const struct slabs *all, int first, int behind) {
     for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
 }
 
-/* By several threads: they take stretches one after the other, and between these, some stretches later, the slabs that waited. So nobody
- * has to wait long, and what is taken last is small. */
+/* By several threads: they take stretches one after the other, and between these, some stretches later, the slabs that
+ * waited. So nobody has to wait long, and what is taken last is small. */
 static void act_shared(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs, stretches = (slabs + all->stretch - 1) / all->stretch;
     atomic_char done[SCREE_SLABS] = {0};

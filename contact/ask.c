@@ -11,8 +11,8 @@ double scree_restitution(const struct scree_normal_law *law, const struct scree_
     return scree_impact(law, constants, pair, mass, speed, 0.0, NULL, NULL).restitution;
 }
 
-/* Between `low`, with more than wanted, and `high`: regula falsi that halves the weight of an end that stays (Dowell & Jarratt,
- * BIT 11 (1971) 168). */
+/* Between `low`, with more than wanted, and `high`: regula falsi that halves the weight of an end that stays (Dowell &
+ * Jarratt, BIT 11 (1971) 168). */
 static double close_in(double (*e)(void *, double), void *context, double wanted, double tolerance, double low,
                        double more, double high, double less) {
     double best = high;
@@ -117,7 +117,8 @@ static int is_named(const struct scree_parameter *parameter, const char *name) {
     return parameter->name && strcmp(parameter->name, name) == 0;
 }
 
-/* Parameters for a request of `restitution`: 1 where there is no fallback, and nothing that stands instead of another one. */
+/* Parameters for a request of `restitution`: 1 where there is no fallback, and nothing that stands instead of another
+ * one. */
 static scree_law_choice request(const struct scree_normal_law *law, double restitution) {
     scree_law_choice choice = {.law = law->text.name};
     const char *replaced = "";

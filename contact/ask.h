@@ -1,32 +1,34 @@
-/* Asked for and got: the restitution that a law delivers, the parameter that delivers a wanted one, and how far a law's own
- * `restitution` can be trusted. */
+/* Asked for and got: the restitution that a law delivers, the parameter that delivers a wanted one, and how far a law's
+ * own `restitution` can be trusted. */
 #ifndef SCREE_CONTACT_ASK_H
 #define SCREE_CONTACT_ASK_H
 
 #include "contact/choice.h"
 #include "contact/impact.h"
 
-/* What a law makes of two bodies of effective mass `mass` (kg) that meet at `speed` (m/s): its closed form if it has one, else
- * the integrator's answer. */
+/* What a law makes of two bodies of effective mass `mass` (kg) that meet at `speed` (m/s): its closed form if it has
+ * one, else the integrator's answer. */
 double scree_restitution(const struct scree_normal_law *law, const struct scree_law_constants *constants,
                          struct scree_pair_constants pair, double mass, double speed);
 
-/* The value >= 0 at which the restitution `e`, which falls with it, takes the value `wanted`: within `tolerance` (of the
- * restitution), or as close as doubles come. `guess` > 0 is where the search begins. NAN if there is none up to 1e60 times as
- * much or as little. */
+/* The value >= 0 at which the restitution `e`, which falls with it, takes the value `wanted`: within `tolerance` (of
+ * the restitution), or as close as doubles come. `guess` > 0 is where the search begins. NAN if there is none up to
+ * 1e60 times as much or as little. */
 double scree_ask_falling(double (*e)(void *context, double value), void *context, double wanted, double guess,
                          double tolerance);
 
-/* What is asked of an impact: restitution in (0, 1], m/s, kg (effective), m (effective), tolerance of the restitution. */
+/* What is asked of an impact: restitution in (0, 1], m/s, kg (effective), m (effective), tolerance of the
+ * restitution. */
 struct scree_wish {
     double restitution, speed, mass, radius, tolerance;
 };
 
 struct scree_elastic;
 
-/* The value of the parameter `parameter` of a normal law (a damping: the restitution must fall with it) that delivers the
- * wish, all other parameters as in `choice`, which doesn't give this one; `elastic` may be NULL. One to some dozens of
- * impacts are integrated where the law has no closed form. SCREE_BAD_INPUT: the choice is wrong, or no value delivers it. */
+/* The value of the parameter `parameter` of a normal law (a damping: the restitution must fall with it) that delivers
+ * the wish, all other parameters as in `choice`, which doesn't give this one; `elastic` may be NULL. One to some dozens
+ * of impacts are integrated where the law has no closed form. SCREE_BAD_INPUT: the choice is wrong, or no value
+ * delivers it. */
 scree_status scree_ask(const scree_law_choice *choice, const struct scree_elastic *elastic, const char *parameter,
                        const struct scree_wish *wish, double *value, scree_trouble *trouble);
 

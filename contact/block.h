@@ -1,5 +1,5 @@
-/* A block of contacts on its way through the loop, and how it is gathered from the bodies: rows of records are fetched and turned into
- * columns, from which normal, overlap, arms, relative velocity follow. Part of loop.c and smooth.c. */
+/* A block of contacts on its way through the loop, and how it is gathered from the bodies: rows of records are fetched
+ * and turned into columns, from which normal, overlap, arms, relative velocity follow. Part of loop.c and smooth.c. */
 #ifndef SCREE_CONTACT_BLOCK_H
 #define SCREE_CONTACT_BLOCK_H
 
@@ -111,7 +111,8 @@ static inline double limit_of(const struct block *b, int k) {
 /* ---- gather ---- */
 
 #ifdef __AVX512F__
-/* Contacts lane … lane + 7. The fourth numbers of the rows are added instead of subtracted: sums of radii and of inverse masses. */
+/* Contacts lane … lane + 7. The fourth numbers of the rows are added instead of subtracted: sums of radii and of
+ * inverse masses. */
 static inline void fetch_some(const struct ends *ends, int lane, struct block *b) {
     const wide_row sign = {1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0};
     wide_row going[8], turning[8];
@@ -266,7 +267,8 @@ static inline int some_meet_or_part(const struct block *b, int count, double ste
     return some;
 }
 
-/* Share of the step during which the bodies touch: 1 or 0, as `touching`, but for the steps in which they meet or part. */
+/* Share of the step during which the bodies touch: 1 or 0, as `touching`, but for the steps in which they meet or
+ * part. */
 static inline void share_out(int count, double step, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
@@ -344,8 +346,8 @@ static inline double haste_of(const struct scree_record *record) {
     return vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * record->bound;
 }
 
-/* Whether two boxes may touch edge on edge in this step, whose own way counts too: a contact that begins in it is felt from its beginning.
- * Where they can't, all would come out as zero. */
+/* Whether two boxes may touch edge on edge in this step, whose own way counts too: a contact that begins in it is felt
+ * from its beginning. Where they can't, all would come out as zero. */
 static inline int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
                             const struct scree_run *run, double step) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
@@ -355,7 +357,8 @@ static inline int may_cross(const struct scree_bodies *bodies, const struct scre
     return !scree_meet_as_rectangles(&boxes, run->first);
 }
 
-/* Contacts first … first + count - 1 of segment 0, a block of it. Returns 0 if nothing can touch; then nothing is gathered. */
+/* Contacts first … first + count - 1 of segment 0, a block of it. Returns 0 if nothing can touch; then nothing is
+ * gathered. */
 static inline int gather_crossings(const struct scree_bodies *bodies, const struct scree_batch *batch, int first,
                                    int count, double step, struct block *b, struct lean *lean) {
     struct scree_contact contact[SCREE_LANES];
@@ -385,7 +388,8 @@ static inline int gather_crossings(const struct scree_bodies *bodies, const stru
     return 1;
 }
 
-/* Corners on boxes, of boxes that are deeper in each other than their roundings: they lean as well. Returns whether there are any. */
+/* Corners on boxes, of boxes that are deeper in each other than their roundings: they lean as well. Returns whether
+ * there are any. */
 static inline int deepen_corners(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
                                  struct block *b, struct lean *lean) {
     struct scree_two_boxes boxes = {.a = NULL};

@@ -3,7 +3,8 @@
 
 /* ---- depth ---- */
 
-/* The directions that could separate two cores (Gottschalk, Lin & Manocha 1996): faces of a, of b, an edge of each. Not unit. */
+/* The directions that could separate two cores (Gottschalk, Lin & Manocha 1996): faces of a, of b, an edge of each. Not
+ * unit. */
 enum { DIRECTIONS = 15 };
 
 static struct vec direction_of(const struct mat *a, const struct mat *b, int k) {
@@ -33,7 +34,8 @@ static struct vec nearest_in_box(struct vec centre, const struct scree_attitude 
     return vec_add(centre, mat_apply(&box->frame, inside));
 }
 
-/* Distance of two cores, by projecting to and fro (Cheney & Goldstein 1959): from above, and close after some rounds. */
+/* Distance of two cores, by projecting to and fro (Cheney & Goldstein 1959): from above, and close after some
+ * rounds. */
 static double cores_distance(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b) {
     struct vec origin = {0.0, 0.0, 0.0}, on_a = apart, on_b = origin;
     double distance = HUGE_VAL;
@@ -47,8 +49,8 @@ static double cores_distance(struct vec apart, const struct scree_attitude *a, c
     return distance;
 }
 
-/* How deep two rounded boxes are in each other; 0 where they aren't. Cores apart: what the roundings overlap, which no direction of
- * theirs tells where corner is next to corner. */
+/* How deep two rounded boxes are in each other; 0 where they aren't. Cores apart: what the roundings overlap, which no
+ * direction of theirs tells where corner is next to corner. */
 double scree_boxes_depth(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b,
                          double roundings) {
     double depth = scree_cores_depth(apart, a, &b->frame, b->half) + roundings;
@@ -172,9 +174,9 @@ int scree_near_edges(const struct scree_two_boxes *boxes, double overlap, double
 
 /* ---- boxes deeper in each other than their roundings ---- */
 
-/* Six tenths: the cores are then apart whatever their attitudes (0.5 would do, since one that is drawn in by s reaches less far by s at
- * least along any direction), and what is left of the boxes touches (up to 1/(2 (sqrt(3) - 1)) = 0.68, since with its rounding it reaches
- * less far by (sqrt(3) - 1) s at most). */
+/* Six tenths: the cores are then apart whatever their attitudes (0.5 would do, since one that is drawn in by s reaches
+ * less far by s at least along any direction), and what is left of the boxes touches (up to 1/(2 (sqrt(3) - 1)) = 0.68,
+ * since with its rounding it reaches less far by (sqrt(3) - 1) s at most). */
 static const double inset_per_depth = 0.6;
 
 /* What two boxes are along a direction that could separate them. */
@@ -197,8 +199,8 @@ static double smooth_slope(double x) {
     return copysign(t * (4.0 - 3.0 * t), x);
 }
 
-/* What the depth of boxes that are drawn in counts for along the product of two edges, per metre of depth, if these are at a small angle
- * (sine `size`): such directions turn fast, and beyond a tenth never are the least. */
+/* What the depth of boxes that are drawn in counts for along the product of two edges, per metre of depth, if these are
+ * at a small angle (sine `size`): such directions turn fast, and beyond a tenth never are the least. */
 static double aside_of(const struct way *way) {
     double t = way->axis < 6 ? 0.0 : fmax(0.2 / way->size - 1.0, 0.0);
     return t * t;
@@ -247,7 +249,8 @@ static struct vec farthest(const struct scree_attitude *box, struct vec directio
     return p;
 }
 
-/* Gradient of the depth along a direction: a unit force on the deepest corner of a, or of b, or where two edges cross. */
+/* Gradient of the depth along a direction: a unit force on the deepest corner of a, or of b, or where two edges
+ * cross. */
 static struct scree_gradient push_of_depth(const struct scree_two_boxes *boxes, const struct way *way) {
     const struct scree_attitude *a = boxes->a, *b = boxes->b;
     struct vec n = way->normal, on_a = farthest(a, vec_scale(-1.0, n)), on_b = farthest(b, n);
@@ -320,14 +323,15 @@ void scree_draw_in(struct scree_two_boxes *boxes) {
                                         push_scale(1.0 / rest, push_axpy(deeper, -factor, less))};
 }
 
-/* A corner at the end of an edge, or alone: its overlap, where it is pushed, by how much the overlap grows per metre that both cores are
- * drawn in, and by how much q falls per metre that it gets deeper. */
+/* A corner at the end of an edge, or alone: its overlap, where it is pushed, by how much the overlap grows per metre
+ * that both cores are drawn in, and by how much q falls per metre that it gets deeper. */
 struct end {
     struct vec push, point; /* on a; from the centre of a */
     double overlap, slope, ratio;
 };
 
-/* The corner at `centre`, whose faces look `outward` (their normals' sum), of a core that is drawn in, and the other core at `origin`. */
+/* The corner at `centre`, whose faces look `outward` (their normals' sum), of a core that is drawn in, and the other
+ * core at `origin`. */
 static struct scree_meeting meet_drawn_in(struct vec centre, struct vec outward, double rounding,
                                           struct scree_whole whole, struct vec origin,
                                           const struct scree_attitude *host, double other, double inset,
@@ -370,7 +374,8 @@ static void push(struct scree_crossing *c, struct vec apart, struct vec push, st
     c->turn_b = vec_sub(c->turn_b, vec_cross(vec_add(point, apart), push));
 }
 
-/* q grows by `slope` per metre that the cores are drawn in, which they are the farther, the deeper the boxes; and counts by a factor. */
+/* q grows by `slope` per metre that the cores are drawn in, which they are the farther, the deeper the boxes; and
+ * counts by a factor. */
 static void count_inset(struct scree_crossing *c, const struct scree_two_boxes *boxes, double slope) {
     const struct scree_inset *inset = &boxes->inset;
     if (!(inset->by > 0.0)) return;
@@ -399,8 +404,8 @@ struct scree_crossing scree_meet_corner(const struct scree_two_boxes *boxes, int
 
 /* ---- edge on edge ---- */
 
-/* q and its derivatives from the overlap d, which grows by `slope` per metre that the cores are drawn in, and the corners at the four
- * ends. */
+/* q and its derivatives from the overlap d, which grows by `slope` per metre that the cores are drawn in, and the
+ * corners at the four ends. */
 static void share_with_ends(const struct scree_two_boxes *boxes, const struct end end[4], double d, double slope,
                             struct scree_crossing *c) {
     double left = 1.0, steeper = 1.0;

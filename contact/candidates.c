@@ -1,6 +1,7 @@
-/* Candidates: pairs of bodies whose bounding spheres come within what both may go, mostly the skin. Bodies lie in grids of cells, one grid for each
- * power of two of their size, so that a body of any size meets a few cells of its own grid and of each coarser one (Hierarchical
- * grids: Ericson, Real-Time Collision Detection, 2005, section 7.2). Planes, which have no bounds, meet everything. */
+/* Candidates: pairs of bodies whose bounding spheres come within what both may go, mostly the skin. Bodies lie in grids
+ * of cells, one grid for each power of two of their size, so that a body of any size meets a few cells of its own grid
+ * and of each coarser one (Hierarchical grids: Ericson, Real-Time Collision Detection, 2005, section 7.2). Planes,
+ * which have no bounds, meet everything. */
 #include "contact/contacts.h"
 #include "contact/geometry.h"
 
@@ -17,9 +18,9 @@ struct occupant {
     int body;
 };
 
-/* The finest grid's cell, and which grids hold bodies; the grid of each body. A column's key tells the place of its cell 0, and others follow
- * cell by cell: bodies that are next to each other along z lie side by side. Those of a place begin at `start`; columns that
- * overlap mix. */
+/* The finest grid's cell, and which grids hold bodies; the grid of each body. A column's key tells the place of its
+ * cell 0, and others follow cell by cell: bodies that are next to each other along z lie side by side. Those of a place
+ * begin at `start`; columns that overlap mix. */
 struct grids {
     double finest;
     int used[LEVELS];
@@ -148,7 +149,8 @@ static int bounds_meet(const struct scree_contacts *contacts, const struct scree
     return vec_norm2(apart) <= reach * reach;
 }
 
-/* What looks for partners, and where it puts what it finds; bodies in the cells of the one that looks are weighed many at once. */
+/* What looks for partners, and where it puts what it finds; bodies in the cells of the one that looks are weighed many
+ * at once. */
 enum { SEEN = 64 };
 struct seeker {
     const struct scree_contacts *contacts;
@@ -185,8 +187,8 @@ static void weigh(struct seeker *s, int k) {
     s->count = 0;
 }
 
-/* Partners of body k in so many cells of a column from `z` on; `after`: only those of higher number, in its own cell, so that each pair
- * is found once. */
+/* Partners of body k in so many cells of a column from `z` on; `after`: only those of higher number, in its own cell,
+ * so that each pair is found once. */
 static void look_into(struct seeker *s, int k, uint32_t column, double z, double cells, int after) {
     const struct grids *grids = s->grids;
     uint32_t place = place_in(grids, column, z), left = cells < grids->places ? (uint32_t)cells : grids->places;
@@ -203,8 +205,8 @@ static void look_into(struct seeker *s, int k, uint32_t column, double z, double
     }
 }
 
-/* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are enough, since
- * the other half look from there. */
+/* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are
+ * enough, since the other half look from there. */
 static void look_beside(struct seeker *s, int k) {
     double own[3];
     cell_at(s->bodies, s->grids, k, own);
@@ -228,8 +230,8 @@ static void look_about(struct seeker *s, int k, int level, const double at[3], d
             look_into(s, k, column_of(mix(key_of_level(level), x), y), low[2], high[2] - low[2] + 1.0, after);
 }
 
-/* The same around the body, and around its images whose reach crosses the border of the periodic box. `own`: only these, for what it
- * can meet without crossing the border, look_beside has found. */
+/* The same around the body, and around its images whose reach crosses the border of the periodic box. `own`: only
+ * these, for what it can meet without crossing the border, look_beside has found. */
 static void look_around(struct seeker *s, int k, int level, double reach, int own) {
     const struct scree_bodies *bodies = s->bodies;
     const struct scree_record *record = &bodies->record[k];
@@ -254,8 +256,8 @@ static void look_around(struct seeker *s, int k, int level, double reach, int ow
             }
 }
 
-/* All partners of body k that it is its turn to find. A fast one, which may go farther than half the skin, finds all of its partners, in
- * all grids: so nobody else has to look farther than half the skin. */
+/* All partners of body k that it is its turn to find. A fast one, which may go farther than half the skin, finds all of
+ * its partners, in all grids: so nobody else has to look farther than half the skin. */
 static void look(struct seeker *s, int k) {
     const struct scree_contacts *contacts = s->contacts;
     const struct grids *grids = s->grids;
@@ -272,8 +274,8 @@ static void look(struct seeker *s, int k) {
     weigh(s, k);
 }
 
-/* The partners of a body, from `first` to `end`, in order as they come, from place `kept` on; those found twice, through cells with
- * equal keys, once. Returns the place after the last. */
+/* The partners of a body, from `first` to `end`, in order as they come, from place `kept` on; those found twice,
+ * through cells with equal keys, once. Returns the place after the last. */
 static int order_partners(int *partner, int first, int end, int kept) {
     int begin = kept;
     for (int p = first; p < end; p++) {

@@ -38,25 +38,26 @@ struct scree_elastic {
 /* Effective moduli of two materials by Young's moduli (Pa; HUGE_VAL: rigid; 0: unknown) and Poisson's ratios. */
 struct scree_elastic scree_elastic_of(const double young[2], const double poisson[2]);
 
-/* Turn a definition into a rule, to be freed with scree_free_rule; `elastic` may be NULL. SCREE_BAD_INPUT names the law, the parameter and its range: unknown law or
- * parameter, one missing, out of its range, or two that contradict each other. */
+/* Turn a definition into a rule, to be freed with scree_free_rule; `elastic` may be NULL. SCREE_BAD_INPUT names the
+ * law, the parameter and its range: unknown law or parameter, one missing, out of its range, or two that contradict
+ * each other. */
 scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
                              scree_trouble *trouble);
 
-/* The example of a law's description as a choice of that law (the process must write numbers as the C locale does). The names are the
- * description's own. */
+/* The example of a law's description as a choice of that law (the process must write numbers as the C locale does). The
+ * names are the description's own. */
 scree_law_choice scree_example(const struct scree_law_text *text);
 
 /* "> 0", "0 … 1" and so on, for people. */
 const char *scree_range_text(enum scree_range range);
 
-/* Speed at which a friction law without memory balances a tangential load, given as load/normal force: the creep speed of
- * a body that should rest, m/s. 0 for laws that stick, HUGE_VAL if the law can't hold that load. */
+/* Speed at which a friction law without memory balances a tangential load, given as load/normal force: the creep speed
+ * of a body that should rest, m/s. 0 for laws that stick, HUGE_VAL if the law can't hold that load. */
 double scree_creep_speed(const struct scree_friction_law *law, const struct scree_law_constants *constants,
                          double load_over_normal);
 
-/* The coefficient at its first top as speed rises: the largest load/normal force that such a law holds at a creep. A viscous part that
- * has no top counts up to 1e4 times the speed at which the ramp would reach 1. */
+/* The coefficient at its first top as speed rises: the largest load/normal force that such a law holds at a creep. A
+ * viscous part that has no top counts up to 1e4 times the speed at which the ramp would reach 1. */
 double scree_largest_coefficient(const struct scree_friction_law *law, const struct scree_law_constants *constants);
 
 #endif

@@ -7,8 +7,8 @@
  *
  * A contact is a ball (a sphere, or the corner of a rounded box) on a partner: another ball, a plane, a rectangle
  * or a box; or an edge on an edge (crossing.h). Whatever it is, it becomes a normal, an overlap and two arms, and goes
- * through the same laws. Every listed contact is computed, or known to give zero, as those out of touch do: so the result
- * doesn't depend on when lists are made. */
+ * through the same laws. Every listed contact is computed, or known to give zero, as those out of touch do: so the
+ * result doesn't depend on when lists are made. */
 #ifndef SCREE_CONTACT_CONTACTS_H
 #define SCREE_CONTACT_CONTACTS_H
 
@@ -24,7 +24,8 @@ enum {
     SCREE_PADDING = 8, /* passes run over whole vectors: what columns hold is padded to a multiple of this */
 };
 
-/* Columns of pair constants: those of the normal law, then two of the friction law, then the lever of the rolling law, m. */
+/* Columns of pair constants: those of the normal law, then two of the friction law, then the lever of the rolling law,
+ * m. */
 enum {
     SCREE_PAIR_FRICTION = SCREE_PAIR_CONSTANTS,
     SCREE_PAIR_LEVER = SCREE_PAIR_FRICTION + 2,
@@ -36,15 +37,16 @@ enum scree_geometry {
     SCREE_BALL_PLANE,
     SCREE_BALL_RECTANGLE,
     SCREE_BALL_BOX,
-    SCREE_BALL_IMAGE, /* a ball on another that stands whole periods off; a batch of its own, so that the others pay nothing */
+    SCREE_BALL_IMAGE, /* a ball on another that stands whole periods off; a batch of its own, so that the others pay
+                         nothing */
     SCREE_EDGE_EDGE,
     SCREE_GEOMETRIES
 };
 
-/* One contact: ball on body `ball`, partner body `host`; `corner` is a row of the bodies' corner table (0: the ball is the
- * body's centre), of SCREE_BALL_IMAGE the code of its periods (scree_code_of, never 0), of SCREE_EDGE_EDGE that of both edges
- * (scree_crossing_code, never 0). Lists are sorted by (ball, host, corner), which is also what tells a contact again in the next
- * list. */
+/* One contact: ball on body `ball`, partner body `host`; `corner` is a row of the bodies' corner table (0: the ball is
+ * the body's centre), of SCREE_BALL_IMAGE the code of its periods (scree_code_of, never 0), of SCREE_EDGE_EDGE that of
+ * both edges (scree_crossing_code, never 0). Lists are sorted by (ball, host, corner), which is also what tells a
+ * contact again in the next list. */
 struct scree_contact {
     int ball, host, corner;
 };
@@ -54,8 +56,8 @@ struct scree_ends {
     int ball, host;
 };
 
-/* J that each contact of a block took out of the motion during the step. They are added up contact by contact: sums that don't depend
- * on how contacts fall into blocks. */
+/* J that each contact of a block took out of the motion during the step. They are added up contact by contact: sums
+ * that don't depend on how contacts fall into blocks. */
 struct scree_losses {
     double normal[SCREE_LANES];     /* dissipated in normal direction */
     double tangential[SCREE_LANES]; /* done against friction and rolling resistance */
@@ -71,16 +73,17 @@ struct scree_yield {
     struct scree_losses lost; /* if measured */
 };
 
-/* What the pair-impulse method yields beside it, and keeps of each contact: the impulse of the last step, N s, and the overlap (m) that
- * its friction had on the mean, which tells the lever; then those of the step before. */
+/* What the pair-impulse method yields beside it, and keeps of each contact: the impulse of the last step, N s, and the
+ * overlap (m) that its friction had on the mean, which tells the lever; then those of the step before. */
 enum { SCREE_PAST_DEPTH = 3, SCREE_PAST_STEP = 4, SCREE_PAST = 2 * SCREE_PAST_STEP };
 
 struct scree_moments {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES]; /* N s^2, N m s^2 */
 };
 
-/* Part of a batch's list: near contacts first … first + count - 1, out of the outer list's. Segment 0 holds what isn't of one
- * slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): no two slabs of the same parity touch one body. */
+/* Part of a batch's list: near contacts first … first + count - 1, out of the outer list's. Segment 0 holds what isn't
+ * of one slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): no two slabs of the same parity touch
+ * one body. */
 struct scree_part {
     int first, count, capacity;
     int outer_count;                  /* contacts in its outer list; */
@@ -103,8 +106,8 @@ struct scree_run {
     struct scree_rectangles first; /* where to look first whether corners bear all */
 };
 
-/* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. What is kept of a
- * contact lies in columns: only those that the laws use are there. */
+/* Contacts of one geometry between one pair of materials. Owns its arrays; they grow and never shrink. What is kept of
+ * a contact lies in columns: only those that the laws use are there. */
 struct scree_batch {
     enum scree_geometry geometry;
     int rule;   /* index of the laws */
@@ -122,8 +125,8 @@ struct scree_batch {
     int *corner;
     double *pair[SCREE_PAIR_COLUMNS];
     int pair_capacity;
-    unsigned char keeps
-        [SCREE_MEMORY]; /* which numbers are kept: in columns, but for friction's state, which is 0 or 1: in bytes */
+    unsigned char keeps[SCREE_MEMORY]; /* which numbers are kept: in columns, but for friction's state, which is 0 or 1:
+                                          in bytes */
     double *kept[SCREE_MEMORY];
     unsigned char *slides;
     struct scree_yield *yield; /* per block of segment 0 */
@@ -132,8 +135,8 @@ struct scree_batch {
     int runs, run_capacity;
     struct scree_run *run;
     int *first_run;
-    /* While bodies sleep (rest.h): of segment 0 the blocks that work, with what is kept of still contacts in them; of slabs those that
-     * aren't still. */
+    /* While bodies sleep (rest.h): of segment 0 the blocks that work, with what is kept of still contacts in them; of
+     * slabs those that aren't still. */
     int works_capacity, held_capacity, held, stirring_capacity;
     unsigned char *works;
     struct scree_held *holds;
@@ -142,8 +145,9 @@ struct scree_batch {
     int impulses;
     double *past[SCREE_PAST];
     struct scree_moments *moments; /* per block of segment 0 */
-    /* Contacts that may get near before bodies have gone half a skin; near ones are picked from them. Those of slabs, which have no
-     * corners, are codes: ~i names the body that comes first, then each 2 j + 1 or 2 j its partner j, which is the ball or isn't. */
+    /* Contacts that may get near before bodies have gone half a skin; near ones are picked from them. Those of slabs,
+     * which have no corners, are codes: ~i names the body that comes first, then each 2 j + 1 or 2 j its partner j,
+     * which is the ball or isn't. */
     int outer_count;
     struct scree_contact *loose; /* of segment 0 */
     int *code;                   /* of the slabs */
@@ -222,8 +226,8 @@ struct scree_tally {
     int too_far; /* a body has outgrown its margin */
 };
 
-/* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these. What is found is
- * numbers: ~k, then all that body k has found. */
+/* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these.
+ * What is found is numbers: ~k, then all that body k has found. */
 enum { SCREE_PARTS = 32 };
 struct scree_found {
     size_t first;        /* its share of the memory */
@@ -272,12 +276,13 @@ struct scree_contacts {
     int *busy;     /* indices of the batches that hold contacts */
     int busy_batches;
 
-    /* What making lists takes; each has one use after the other. First the pairs as they were found, by parts of the bodies;
-     * then the outer lists of all batches. */
+    /* What making lists takes; each has one use after the other. First the pairs as they were found, by parts of the
+     * bodies; then the outer lists of all batches. */
     struct scree_space listed;
     struct scree_found found[SCREE_PARTS];
-    /* First the cells of the broad phase (candidates.c), then the pairs in order: the larger bodies of each body's pairs, and where
-     * these end. Whatever else takes numbers for each body or contact and keeps none: from two numbers a body on. */
+    /* First the cells of the broad phase (candidates.c), then the pairs in order: the larger bodies of each body's
+     * pairs, and where these end. Whatever else takes numbers for each body or contact and keeps none: from two numbers
+     * a body on. */
     struct scree_space rough;
     int pairs, *end, *partner;
     int planes, *plane;   /* bodies without bounds */
@@ -323,13 +328,14 @@ void scree_contacts_destroy(struct scree_contacts *contacts);
 const struct scree_rule *scree_contacts_rule(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                              int i, int j, int *missing);
 
-/* How far lists look, and at most for fast bodies: wide where bodies are `few` or fewer (lists cost little, making them anew does), narrow
- * where they are many; always beyond `reach`, m, of the laws. Before the first list. */
+/* How far lists look, and at most for fast bodies: wide where bodies are `few` or fewer (lists cost little, making them
+ * anew does), narrow where they are many; always beyond `reach`, m, of the laws. Before the first list. */
 void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct scree_bodies *bodies, int few,
                                 double reach);
 
-/* Make outer and near lists from the records as they are; carries contact memory over, gives every body its margin: `path` in
- * its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists can't be used. */
+/* Make outer and near lists from the records as they are; carries contact memory over, gives every body its margin:
+ * `path` in its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists
+ * can't be used. */
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 
@@ -344,8 +350,8 @@ scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_b
 scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                        scree_trouble *trouble);
 
-/* Forget all contacts; then append one with its memory, in the list's order (for a restored state; the next list carries it
- * over). `kept` counts if the batch has memory, `past` if it keeps impulses. */
+/* Forget all contacts; then append one with its memory, in the list's order (for a restored state; the next list
+ * carries it over). `kept` counts if the batch has memory, `past` if it keeps impulses. */
 void scree_contacts_forget(struct scree_contacts *contacts);
 scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
                                      const struct scree_contact *contact, const double *kept, const double *past,
@@ -354,8 +360,9 @@ scree_status scree_contacts_remember(struct scree_batch *batch, const struct scr
 /* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. */
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads);
 
-/* The same; the members of slabs (bodies/order.c) are advanced as soon as all their impulses are there, and if `ahead` is set
- * brought to the middle of the next step at once. Returns 1 if one has outgrown its margin then, as scree_bodies_look_ahead does. */
+/* The same; the members of slabs (bodies/order.c) are advanced as soon as all their impulses are there, and if `ahead`
+ * is set brought to the middle of the next step at once. Returns 1 if one has outgrown its margin then, as
+ * scree_bodies_look_ahead does. */
 struct scree_departure {
     double step, margin;
     double gravity[3]; /* in the middle of this step, and of the next one */
@@ -365,16 +372,16 @@ struct scree_departure {
 int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                                 const struct scree_departure *go);
 
-/* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one, with
- * friction two where one isn't enough. */
+/* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one,
+ * with friction two where one isn't enough. */
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps);
 
 /* Give contacts and bodies the past of a state at rest: the forces of `now` for two steps. For the start of a run. */
 void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bodies *bodies,
                                const struct scree_bodies *now, double step);
 
-/* All near contacts through one step by pair impulses: `bodies` half a step ahead, `now` at its start (scree_bodies_look_both).
- * Impulses are added into the bodies' records, moments into their past. */
+/* All near contacts through one step by pair impulses: `bodies` half a step ahead, `now` at its start
+ * (scree_bodies_look_both). Impulses are added into the bodies' records, moments into their past. */
 void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                           double step, int threads);
 
@@ -398,8 +405,8 @@ struct scree_touch {
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
                            int index, struct scree_touch *touch);
 
-/* What contact `index` of batch `batch` does within a step if it goes on as at the instant of the records, N s and N m s; `ball` is -1 if
- * it doesn't touch. Changes nothing. */
+/* What contact `index` of batch `batch` does within a step if it goes on as at the instant of the records, N s and N m
+ * s; `ball` is -1 if it doesn't touch. Changes nothing. */
 struct scree_kick {
     int ball, host;
     double overlap;                           /* m */
@@ -408,8 +415,8 @@ struct scree_kick {
 struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
                                  int index, double step);
 
-/* Leave in the records the impulses that contacts give at their instant within a step, for the start of a run: from them the first
- * step predicts its velocities, and bodies that begin at rest in touch stay at rest. */
+/* Leave in the records the impulses that contacts give at their instant within a step, for the start of a run: from
+ * them the first step predicts its velocities, and bodies that begin at rest in touch stay at rest. */
 void scree_contacts_begin(const struct scree_contacts *contacts, struct scree_bodies *bodies, double step);
 
 /* Effective mass and radius of a pair of bodies, for law constants: of the ball and its partner. */
@@ -421,7 +428,8 @@ double scree_effective_radius(const struct scree_bodies *bodies, int ball, int h
 /* How deep the ball of a body can be in a rectangle before the whole body is below it, m. */
 static inline double scree_thickness(const struct scree_record *ball) { return ball->radius + 2.0 * ball->limit; }
 
-/* Whether the contact can turn its bodies. It depends on the contact alone: what else is listed must not change a bit. */
+/* Whether the contact can turn its bodies. It depends on the contact alone: what else is listed must not change a
+ * bit. */
 static inline int scree_contact_turns(const struct scree_batch *batch, const struct scree_contact *contact) {
     return batch->turns || (contact->corner > 0 && batch->geometry != SCREE_BALL_IMAGE);
 }
@@ -447,13 +455,13 @@ static inline struct vec scree_nearest_image(const struct scree_bodies *bodies, 
     return vec(d[0], d[1], d[2]);
 }
 
-/* Put every free body that has left the periodic box back into it, and make the lists anew; how many have is in `returns` then.
- * SCREE_NO_MEMORY: nothing was changed, in every bit. */
+/* Put every free body that has left the periodic box back into it, and make the lists anew; how many have is in
+ * `returns` then. SCREE_NO_MEMORY: nothing was changed, in every bit. */
 scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree_bodies *bodies,
                                    scree_trouble *trouble);
 
-/* Let contacts of the bodies in `returned` name the images that they mean now, in the batches that these belong to. Lists are
- * to be made after it. */
+/* Let contacts of the bodies in `returned` name the images that they mean now, in the batches that these belong to.
+ * Lists are to be made after it. */
 scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                    scree_trouble *trouble);
 
@@ -461,14 +469,16 @@ scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct
 void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
                             const struct scree_batch *batch, int block);
 
-/* Members of a slab that may move on behind its contacts, which come by rising place of their first body: from place `next` on, those
- * before the first body of all contacts to come. Who moves them advances `next`, and need not move all. */
+/* Members of a slab that may move on behind its contacts, which come by rising place of their first body: from place
+ * `next` on, those before the first body of all contacts to come. Who moves them advances `next`, and need not move
+ * all. */
 struct scree_trail {
     const struct scree_departure *go;
     int next;
 };
 
-/* Work off the segments of the slabs by as many threads (act.c); tallies are added up. `trail`: NULL where nobody moves. */
+/* Work off the segments of the slabs by as many threads (act.c); tallies are added up. `trail`: NULL where nobody
+ * moves. */
 typedef void scree_segment_work(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
                                 const struct scree_batch *batch, const struct scree_part *segment, double step,
                                 struct scree_tally *tally, struct scree_trail *trail);
@@ -479,8 +489,8 @@ void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodie
 int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,
                      const struct scree_contact *contact);
 
-/* The order of contacts in a segment; negative: a before b. In a slab's segment by the body that comes first, so that memory is walked;
- * else by ball, partner, corner. */
+/* The order of contacts in a segment; negative: a before b. In a slab's segment by the body that comes first, so that
+ * memory is walked; else by ball, partner, corner. */
 static inline uint64_t scree_rank(const struct scree_contact *contact, int segment) {
     int swap = segment > 0 && contact->host < contact->ball;
     int first = swap ? contact->host : contact->ball, second = swap ? contact->ball : contact->host;
@@ -500,8 +510,9 @@ static inline double scree_left_of(const struct scree_contacts *contacts, const 
     return (half - bodies->record[i].path) + (half - bodies->record[j].path);
 }
 
-/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. What is above it can't touch before
- * the bodies have gone as much, both together. `overlap`: of the cores of two boxes (scree_cores_overlap). */
+/* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. What is above it
+ * can't touch before the bodies have gone as much, both together. `overlap`: of the cores of two boxes
+ * (scree_cores_overlap). */
 double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way, double overlap);
 
 /* Near lists from the outer list. */
@@ -515,14 +526,15 @@ void scree_contacts_free_scratch(struct scree_contacts *contacts);
 scree_status scree_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                   struct scree_batch *batch, scree_trouble *trouble);
 
-/* More room in an array of `before` things of `size` bytes; 0 if there is no memory, and then it stays as it was. What is new is
- * zero. `array` is the address of a pointer. */
+/* More room in an array of `before` things of `size` bytes; 0 if there is no memory, and then it stays as it was. What
+ * is new is zero. `array` is the address of a pointer. */
 int scree_enlarge(void *array, int before, int after, size_t size);
 
 /* Room for so many bytes, whatever was there before; SCREE_NO_MEMORY. */
 scree_status scree_make_space(struct scree_space *space, size_t size, scree_trouble *trouble);
 
-/* Pairs of bodies whose bounds come within `skin`, in order: those of i with j > i are partner[end[i - 1]] … partner[end[i] - 1]. */
+/* Pairs of bodies whose bounds come within `skin`, in order: those of i with j > i are partner[end[i - 1]] …
+ * partner[end[i] - 1]. */
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                               scree_trouble *trouble);
 

@@ -50,8 +50,8 @@ static struct scree_tangential rub(const struct pair *p, struct scree_sliding at
     return p->friction->force(&p->rule->friction_constants, p->of_friction, at);
 }
 
-/* Bristles under next to no load give way at once, which no explicit step follows: below a ten-thousandth of the load of the
- * impact they rest. That leaves out some 1e-7 of friction's impulse. */
+/* Bristles under next to no load give way at once, which no explicit step follows: below a ten-thousandth of the load
+ * of the impact they rest. That leaves out some 1e-7 of friction's impulse. */
 static int unloaded(const struct pair *p, const struct instant *now) {
     return p->friction->memory && !p->projects && now->force <= 1e-4 * p->load;
 }

@@ -1,16 +1,17 @@
-/* Two bodies meet at one point, obliquely and spinning: what the laws of their contact make of it, apart from any scene.
+/* Two bodies meet at one point, obliquely and spinning: what the laws of their contact make of it, apart from any
+ * scene.
  *
- * Normal and lever arms stay as they are at the first touch (exact in the limit of small overlaps), so that impulse J and
- * relative velocity u of the contact points are tied by one constant matrix, u = u0 + W J, and all that is integrated is
- *   d(overlap)/dt = -u.n,  dJ/dt = F(overlap, u, memory),  the memory of friction, and the work done.
- * Laws are used through their descriptions only. Their forces are those of an instant (half = 0); the rate of friction's
+ * Normal and lever arms stay as they are at the first touch (exact in the limit of small overlaps), so that impulse J
+ * and relative velocity u of the contact points are tied by one constant matrix, u = u0 + W J, and all that is
+ * integrated is d(overlap)/dt = -u.n,  dJ/dt = F(overlap, u, memory),  the memory of friction, and the work done. Laws
+ * are used through their descriptions only. Their forces are those of an instant (half = 0); the rate of friction's
  * memory is the difference of what the law's own stepping rule makes of a tiny step and of a tiny step back. A slider
- * that caps a spring has a memory that follows the cap without a rate of its own: there the spring is stretched as if it
- * stuck, the law cuts it, and each step ends by keeping what the law has left.
- * Dormand & Prince's pair of orders 5 and 4 (J. Comput. Appl. Math. 6 (1980) 19) chooses its steps by its error, which also
- * carries it through the roots d^(1/4), d^(1/2) at first touch; steps end where the bodies turn round, stick, slip or part, so
- * that nothing within a step has a kink. An extrapolation of the loop's stepping rule would have needed no rates, but that rule takes
- * a step to notice a slider's turns, which leaves no power series in the step to extrapolate. */
+ * that caps a spring has a memory that follows the cap without a rate of its own: there the spring is stretched as if
+ * it stuck, the law cuts it, and each step ends by keeping what the law has left. Dormand & Prince's pair of orders 5
+ * and 4 (J. Comput. Appl. Math. 6 (1980) 19) chooses its steps by its error, which also carries it through the roots
+ * d^(1/4), d^(1/2) at first touch; steps end where the bodies turn round, stick, slip or part, so that nothing within a
+ * step has a kink. An extrapolation of the loop's stepping rule would have needed no rates, but that rule takes a step
+ * to notice a slider's turns, which leaves no power series in the step to extrapolate. */
 #ifndef SCREE_CONTACT_ENCOUNTER_H
 #define SCREE_CONTACT_ENCOUNTER_H
 
@@ -45,7 +46,8 @@ struct scree_moment {
 
 enum scree_ending {
     SCREE_PARTED,
-    SCREE_STAYED, /* still in touch after 300 times the time in which the spring would stop the bodies, or 200 turns round */
+    SCREE_STAYED,    /* still in touch after 300 times the time in which the spring would stop the bodies, or 200 turns
+                        round */
     SCREE_UNFINISHED /* the laws change faster than a million steps can follow */
 };
 
@@ -65,17 +67,17 @@ struct scree_outcome_of_impact {
 
 typedef void scree_encounter_watch(void *context, const struct scree_moment *moment);
 
-/* A body for an encounter at rest: `towards` points from it to the other (unit). A sphere of radius and mass; a plane of
- * infinite mass; a box by its lowest corner along `towards`, whose rounding is the radius of that corner. `mass` 0: one that
- * can't be moved. */
+/* A body for an encounter at rest: `towards` points from it to the other (unit). A sphere of radius and mass; a plane
+ * of infinite mass; a box by its lowest corner along `towards`, whose rounding is the radius of that corner. `mass` 0:
+ * one that can't be moved. */
 struct scree_partner scree_partner_of(const scree_shape *shape, double mass, struct quat attitude, struct vec towards);
 
 /* Velocity of the ball's contact point against the host's, m/s. */
 struct vec scree_approach(const struct scree_encounter *encounter);
 
-/* Let them meet; they must approach (closing speed > 0) and one of them must be movable. `watch` may be NULL; it is called
- * after each step. Relative error of velocities about 1e-10 at the default tolerance (1e-6 for friction
- * with bristles, which are left at rest below a ten-thousandth of the load). */
+/* Let them meet; they must approach (closing speed > 0) and one of them must be movable. `watch` may be NULL; it is
+ * called after each step. Relative error of velocities about 1e-10 at the default tolerance (1e-6 for friction with
+ * bristles, which are left at rest below a ten-thousandth of the load). */
 struct scree_outcome_of_impact scree_meet(const struct scree_encounter *encounter, const struct scree_rule *rule,
                                           scree_encounter_watch *watch, void *context);
 

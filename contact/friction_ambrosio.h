@@ -1,7 +1,7 @@
 /* Coulomb friction with a ramp that sets in above a tolerance speed; below it there is none.
  *   mu(v) = 0 up to v_0, mu_k (v - v_0)/(v_1 - v_0) up to v_1, mu_k beyond
- * J. Ambrosio, "Impact of rigid and flexible multibody systems: deformation description and contact models", in: Virtual
- * Nonlinear Multibody Systems, NATO Science Series 103 (2003) 57. */
+ * J. Ambrosio, "Impact of rigid and flexible multibody systems: deformation description and contact models", in:
+ * Virtual Nonlinear Multibody Systems, NATO Science Series 103 (2003) 57. */
 #ifndef SCREE_CONTACT_FRICTION_AMBROSIO_H
 #define SCREE_CONTACT_FRICTION_AMBROSIO_H
 

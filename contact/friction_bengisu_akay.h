@@ -1,7 +1,7 @@
 /* A parabola up to static friction, then an exponential fall to kinetic friction.
  *   mu(v) = mu_s (1 - (v/v_0 - 1)^2) up to v_0;  mu_k + (mu_s - mu_k) exp(-xi (v - v_0)) beyond
- * M. T. Bengisu & A. Akay, "Stability of friction-induced vibrations in multi-degree-of-freedom systems", J. Sound Vib. 171
- * (1994) 557. */
+ * M. T. Bengisu & A. Akay, "Stability of friction-induced vibrations in multi-degree-of-freedom systems", J. Sound Vib.
+ * 171 (1994) 557. */
 #ifndef SCREE_CONTACT_FRICTION_BENGISU_AKAY_H
 #define SCREE_CONTACT_FRICTION_BENGISU_AKAY_H
 

@@ -3,8 +3,8 @@
  *   F = -(k_t s + c_t v) while |F| <= mu_s N, then |F| = mu_k N against the slip, and spring and dashpot, side by side
  *   behind the slider, carry that force: k_t s + c_t s' = -F. Cundall & Strack, Geotechnique 29 (1979) 47, for
  *   mu_s = mu_k and c_t = 0, where the spring takes the stretch of the force at once.
- * So slider and dashpot can only take energy out. The contact holds again when the trial force falls below mu_k N, which
- * happens as soon as the slip turns round. */
+ * So slider and dashpot can only take energy out. The contact holds again when the trial force falls below mu_k N,
+ * which happens as soon as the slip turns round. */
 #ifndef SCREE_CONTACT_FRICTION_COULOMB_H
 #define SCREE_CONTACT_FRICTION_COULOMB_H
 

@@ -1,8 +1,9 @@
 /* Dahl's solid friction: a bristle that yields gradually, so that the contact is stiff at rest and slides at mu N.
  *   dF/dx = s_0 (1 - F sgn(v)/(mu N)): as a vector z' = v - s_0 |v| z/(mu N), F = -s_0 z
- * P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-0158(3107-18)-1 (1968), with the exponent 1 (the usual one; others have no
- * settled form in two directions); J. AIAA 14 (1976) 1675. Under r mu N it comes to rest at -(mu N/s_0) ln(1 - r). It
- * has no static friction above mu, and no Stribeck effect: see lugre. contact/bristle.h says how it is stepped. */
+ * P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-0158(3107-18)-1 (1968), with the exponent 1 (the usual one;
+ * others have no settled form in two directions); J. AIAA 14 (1976) 1675. Under r mu N it comes to rest at -(mu N/s_0)
+ * ln(1 - r). It has no static friction above mu, and no Stribeck effect: see lugre. contact/bristle.h says how it is
+ * stepped. */
 #ifndef SCREE_CONTACT_FRICTION_DAHL_H
 #define SCREE_CONTACT_FRICTION_DAHL_H
 

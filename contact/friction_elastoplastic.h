@@ -2,8 +2,8 @@
  *   z' = v - alpha s_0 |v| z/g(v),  F = -(s_0 z + s_1 z' + s_2 N v),  g as in lugre
  *   alpha = 0 for |z| <= z_b and while z goes back; 1 from z_s = g/s_0 on;
  *   (1 + sin(pi (|z| - (z_s + z_b)/2)/(z_s - z_b)))/2 between
- * P. Dupont, V. Hayward, B. Armstrong & F. Altpeter, "Single state elastoplastic friction models", IEEE Trans. Autom. Control 47
- * (2002) 787. The elastic range z_b is given as a share of mu_k N/s_0, so that it goes with the load. */
+ * P. Dupont, V. Hayward, B. Armstrong & F. Altpeter, "Single state elastoplastic friction models", IEEE Trans. Autom.
+ * Control 47 (2002) 787. The elastic range z_b is given as a share of mu_k N/s_0, so that it goes with the load. */
 #ifndef SCREE_CONTACT_FRICTION_ELASTOPLASTIC_H
 #define SCREE_CONTACT_FRICTION_ELASTOPLASTIC_H
 

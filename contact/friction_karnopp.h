@@ -1,9 +1,10 @@
 /* Karnopp's stick band: near rest the contact holds whatever is applied, up to static friction; beyond it slides.
  *   |v| < dv: F = -(applied force), at most mu_s N;  |v| >= dv: F = -mu_k N v/|v|
- * D. Karnopp, "Computer simulation of stick-slip friction in mechanical dynamic systems", J. Dyn. Syst. Meas. Control 107 (1985)
- * 100. A contact of a penalty engine doesn't know the force applied to its bodies, and many contacts may share it. So what holds
- * is a spring and dashpot behind the slider of contact/slider.h, which balance the applied force whatever it is: the body truly
- * rests, at the stretch load/k_t. The band decides the slider's limit: mu_s N inside, mu_k N outside. */
+ * D. Karnopp, "Computer simulation of stick-slip friction in mechanical dynamic systems", J. Dyn. Syst. Meas. Control
+ * 107 (1985) 100. A contact of a penalty engine doesn't know the force applied to its bodies, and many contacts may
+ * share it. So what holds is a spring and dashpot behind the slider of contact/slider.h, which balance the applied
+ * force whatever it is: the body truly rests, at the stretch load/k_t. The band decides the slider's limit: mu_s N
+ * inside, mu_k N outside. */
 #ifndef SCREE_CONTACT_FRICTION_KARNOPP_H
 #define SCREE_CONTACT_FRICTION_KARNOPP_H
 

@@ -1,9 +1,9 @@
 /* LuGre: bristles with a dashpot that saturate on Stribeck's curve.
  *   z' = v - s_0 |v| z/g(v),  F = -(s_0 z + s_1 z' + s_2 N v),  g = N (mu_k + (mu_s - mu_k) exp(-(v/v_s)^2))
- * C. Canudas de Wit, H. Olsson, K. J. Astrom & P. Lischinsky, "A new model for control of systems with friction", IEEE Trans. Autom.
- * Control 40 (1995) 419, eqs. 1 to 4. Here the viscous part is a coefficient, so that it goes with the load; the bristles
- * carry mu_s N at most, also when the load falls at rest; and s_1 is kept below 4 g/|v|, which keeps the law passive and
- * changes nothing near rest (contact/bristle.h). */
+ * C. Canudas de Wit, H. Olsson, K. J. Astrom & P. Lischinsky, "A new model for control of systems with friction", IEEE
+ * Trans. Autom. Control 40 (1995) 419, eqs. 1 to 4. Here the viscous part is a coefficient, so that it goes with the
+ * load; the bristles carry mu_s N at most, also when the load falls at rest; and s_1 is kept below 4 g/|v|, which keeps
+ * the law passive and changes nothing near rest (contact/bristle.h). */
 #ifndef SCREE_CONTACT_FRICTION_LUGRE_H
 #define SCREE_CONTACT_FRICTION_LUGRE_H
 

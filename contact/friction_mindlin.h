@@ -1,8 +1,8 @@
 /* Mindlin's no-slip contact with its memory in the stretch ("tot"): the force follows the stiffness of the moment.
  *   F = -(k_t(d) s + c_t v), k_t = 8 G* sqrt(R d); cut to mu_s N, then mu_k N while sliding (contact/mindlin.h)
- * As in LIGGGHTS and MFiX: a total, not an increment. When the load falls, the force falls with k_t, and what the spring loses
- * is lost; when the load grows at a stretch that stands still, the spring gains energy that nothing pays for. So the law is
- * passive at constant load only. */
+ * As in LIGGGHTS and MFiX: a total, not an increment. When the load falls, the force falls with k_t, and what the
+ * spring loses is lost; when the load grows at a stretch that stands still, the spring gains energy that nothing pays
+ * for. So the law is passive at constant load only. */
 #ifndef SCREE_CONTACT_FRICTION_MINDLIN_H
 #define SCREE_CONTACT_FRICTION_MINDLIN_H
 

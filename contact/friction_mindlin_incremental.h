@@ -1,8 +1,8 @@
 /* Mindlin's no-slip contact with its memory in the force ("inc"): only new stretch meets the stiffness of the moment.
  *   dF = -k_t(d) dx, k_t = 8 G* sqrt(R d); F - c_t v is cut to mu_s N, then mu_k N while sliding (contact/mindlin.h)
- * As in EDEM and Yade, without the rescaling that some add when the load falls. What is kept is the force of the spring, in N.
- * Stretching at a high load and going back at a low one gains energy (Elata & Berryman, Mech. Mater. 24 (1996) 229): the law is
- * passive at constant load only. */
+ * As in EDEM and Yade, without the rescaling that some add when the load falls. What is kept is the force of the
+ * spring, in N. Stretching at a high load and going back at a low one gains energy (Elata & Berryman, Mech. Mater. 24
+ * (1996) 229): the law is passive at constant load only. */
 #ifndef SCREE_CONTACT_FRICTION_MINDLIN_INCREMENTAL_H
 #define SCREE_CONTACT_FRICTION_MINDLIN_INCREMENTAL_H
 

@@ -1,8 +1,9 @@
 /* Static friction that falls to kinetic friction by an exponential, and a viscous part (Stribeck's curve).
  *   mu(v) = (mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)) min(v/v_th, 1) + f v
- * R. Stribeck, Z. VDI 46 (1902) 1341; the exponential: L. C. Bo & D. Pavelescu, Wear 82 (1982) 277; delta = 2: Armstrong-Helouvry,
- * Dupont & Canudas de Wit, Automatica 30 (1994) 1083. The curve has a jump at v = 0; the ramp up to v_th (much smaller than v_s)
- * stands for it here: a resting body creeps. lugre and karnopp have the same curve and truly stick. */
+ * R. Stribeck, Z. VDI 46 (1902) 1341; the exponential: L. C. Bo & D. Pavelescu, Wear 82 (1982) 277; delta = 2:
+ * Armstrong-Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083. The curve has a jump at v = 0; the ramp up to
+ * v_th (much smaller than v_s) stands for it here: a resting body creeps. lugre and karnopp have the same curve and
+ * truly stick. */
 #ifndef SCREE_CONTACT_FRICTION_STRIBECK_H
 #define SCREE_CONTACT_FRICTION_STRIBECK_H
 

@@ -1,7 +1,7 @@
 /* Coulomb friction smoothed by an exponential that ends at a finite speed.
  *   mu(v) = mu_k (1 - exp(-3 v/v_r))/(1 - exp(-3)) up to v_r, mu_k beyond
- * A. D. Threlfall, "The inclusion of Coulomb friction in mechanisms programs with particular reference to DRAM", Mech. Mach.
- * Theory 13 (1978) 475. The literature often writes 0.95 for 1 - exp(-3), which leaves a jump at v_r. */
+ * A. D. Threlfall, "The inclusion of Coulomb friction in mechanisms programs with particular reference to DRAM", Mech.
+ * Mach. Theory 13 (1978) 475. The literature often writes 0.95 for 1 - exp(-3), which leaves a jump at v_r. */
 #ifndef SCREE_CONTACT_FRICTION_THRELFALL_H
 #define SCREE_CONTACT_FRICTION_THRELFALL_H
 

@@ -1,5 +1,5 @@
-/* The pair geometry: where a ball meets its partner. Each function gives the unit normal from the partner towards the ball
- * and the overlap (negative: the gap). */
+/* The pair geometry: where a ball meets its partner. Each function gives the unit normal from the partner towards the
+ * ball and the overlap (negative: the gap). */
 #ifndef SCREE_CONTACT_GEOMETRY_H
 #define SCREE_CONTACT_GEOMETRY_H
 
@@ -38,11 +38,12 @@ static inline struct scree_whole scree_whole_of(const struct scree_bodies *bodie
     return (struct scree_whole){vec_from(bodies->record[ball].x), corner ? scree_attitude_of(bodies, ball) : NULL};
 }
 
-/* A thin plate: inside its borders a plane, at its borders a sharp edge. It has two sides: a sphere is on that of its centre, a
- * corner above as long as it is there or its body is, so that it may be pressed in, and may stay while its body tips over
- * the border. A corner beyond the border, but below its side, meets the border as a wall. A corner deeper than `thick` is below
- * the plate and doesn't touch. Force and energy are continuous wherever a sphere comes from; a corner that is below while its
- * body's centre passes the plate's level lets go of it, and from beneath only a corner with a rounding is held. */
+/* A thin plate: inside its borders a plane, at its borders a sharp edge. It has two sides: a sphere is on that of its
+ * centre, a corner above as long as it is there or its body is, so that it may be pressed in, and may stay while its
+ * body tips over the border. A corner beyond the border, but below its side, meets the border as a wall. A corner
+ * deeper than `thick` is below the plate and doesn't touch. Force and energy are continuous wherever a sphere comes
+ * from; a corner that is below while its body's centre passes the plate's level lets go of it, and from beneath only a
+ * corner with a rounding is held. */
 static inline struct scree_meeting scree_meet_rectangle(struct vec centre, double radius, struct scree_whole whole,
                                                         struct vec origin, const struct mat *frame,
                                                         const double half[3], double thick) {
@@ -69,8 +70,8 @@ static inline double scree_box_reach(struct vec direction, const struct scree_at
     return scree_core_reach(direction, &box->frame, box->half);
 }
 
-/* How deep two cores are in each other, the one seen from the other's centre: the least of the overlaps along the directions that
- * could separate them; not positive where one does. */
+/* How deep two cores are in each other, the one seen from the other's centre: the least of the overlaps along the
+ * directions that could separate them; not positive where one does. */
 double scree_cores_depth(struct vec apart, const struct scree_attitude *a, const struct mat *frame,
                          const double half[3]);
 
@@ -78,8 +79,9 @@ double scree_cores_depth(struct vec apart, const struct scree_attitude *a, const
 struct scree_meeting scree_meet_core(struct vec p, double radii, struct scree_whole whole, struct vec origin,
                                      const struct mat *frame, const double half[3]);
 
-/* A box with its core (half-lengths `half`) swept by `rounding`: the nearest point of the core while the centre is outside
- * of it, the face through which the ball's body came while it is inside; then no deeper than what takes the two cores apart. */
+/* A box with its core (half-lengths `half`) swept by `rounding`: the nearest point of the core while the centre is
+ * outside of it, the face through which the ball's body came while it is inside; then no deeper than what takes the two
+ * cores apart. */
 static inline struct scree_meeting scree_meet_box(struct vec centre, double radius, struct scree_whole whole,
                                                   struct vec origin, const struct mat *frame, const double half[3],
                                                   double rounding) {

@@ -135,7 +135,8 @@ void scree_grip_meet(const struct scree_grip *grip, const struct scree_bodies *b
 
 /* ---- forces ---- */
 
-/* A slider with a spring and a dashpot behind it (contact/slider.h), at an instant; `in_force`: what is kept is the spring's force. */
+/* A slider with a spring and a dashpot behind it (contact/slider.h), at an instant; `in_force`: what is kept is the
+ * spring's force. */
 struct slider {
     double k, c;
     struct scree_hold hold;
@@ -165,8 +166,8 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
         struct vec towards = size > 0.0    ? vec_scale(1.0 / size, memory)
                              : speed > 0.0 ? vec_scale(1.0 / speed, v)
                                            : vec(0.0, 0.0, 0.0);
-        /* It turns towards the slip over the way that the spring is stretched by; under next to no load at once, which no explicit step
-         * follows and none has to: there, over a thousandth of the longest such way. */
+        /* It turns towards the slip over the way that the spring is stretched by; under next to no load at once, which
+         * no explicit step follows and none has to: there, over a thousandth of the longest such way. */
         double way = fmax(s->hold.slides / s->k, 1e-3 * s->longest) + SCREE_NO_SPEED;
         d.force = vec_scale(-s->hold.slides, towards);
         d.elastic = vec_scale(s->hold.slides, towards);
@@ -224,8 +225,8 @@ static struct vec resist(const struct scree_grip *grip, int way, double normal, 
     const struct scree_law_constants *law = &grip->rule->friction_constants;
     struct scree_tangential t = grip->friction->force(law, grip->of_friction, at);
     if (!grip->friction->rate) return t.force;
-    /* Bristles under next to no load give way at once, which no explicit step follows. What that leaves out is some 1e-10 of friction's
-     * impulse. */
+    /* Bristles under next to no load give way at once, which no explicit step follows. What that leaves out is some
+     * 1e-10 of friction's impulse. */
     at.stretch = t.stretch;
     at.normal = fmax(normal, 1e-5 * grip->load);
     view->rate[way] = grip->friction->rate(law, grip->of_friction, at);

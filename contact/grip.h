@@ -1,9 +1,10 @@
-/* A contact at one instant, for methods that integrate a whole scene in time and stop where a law changes: what its laws make of
- * positions, velocities and memory there, the rates of its memory, and the switch functions whose zeros end the present phase.
+/* A contact at one instant, for methods that integrate a whole scene in time and stop where a law changes: what its
+ * laws make of positions, velocities and memory there, the rates of its memory, and the switch functions whose zeros
+ * end the present phase.
  *
- * Within a phase all of it is smooth: the normal law is used without its cut; approach and parting are told apart by the phase,
- * not by the sign of the speed; a slider either sticks or slips. A slider without a dashpot that slips has no rate of its own:
- * its stretch is that of the force that it slides with, and only its direction is integrated. */
+ * Within a phase all of it is smooth: the normal law is used without its cut; approach and parting are told apart by
+ * the phase, not by the sign of the speed; a slider either sticks or slips. A slider without a dashpot that slips has
+ * no rate of its own: its stretch is that of the force that it slides with, and only its direction is integrated. */
 #ifndef SCREE_CONTACT_GRIP_H
 #define SCREE_CONTACT_GRIP_H
 
@@ -74,8 +75,8 @@ double scree_grip_stiffness(const struct scree_grip *grip, int way, double overl
 /* Force with which a slider slips under a load, N. */
 double scree_grip_slides(const struct scree_grip *grip, int way, double load);
 
-/* Where the ball is on its partner, as the records have it: fills normal, arms, overlap, closing and slip. `overlap` replaces the
- * overlap unless it is NAN. */
+/* Where the ball is on its partner, as the records have it: fills normal, arms, overlap, closing and slip. `overlap`
+ * replaces the overlap unless it is NAN. */
 void scree_grip_meet(const struct scree_grip *grip, const struct scree_bodies *bodies, double overlap,
                      struct scree_grip_view *view);
 
@@ -103,11 +104,12 @@ enum scree_switch {
     SCREE_SWITCHES = SCREE_SWITCH_SLIDE + SCREE_GRIP_WAYS
 };
 
-/* Whether some switch function is the derivative of something, so that `scree_grip_switches` needs views before and after. */
+/* Whether some switch function is the derivative of something, so that `scree_grip_switches` needs views before and
+ * after. */
 int scree_grip_needs_rates(const struct scree_grip *grip);
 
-/* The values of all switch functions, +1 where there is none, each in parts of its own scale. `sooner` and `later` are views of the
- * time `apart` before and after each other along the motion, NULL where they aren't needed. */
+/* The values of all switch functions, +1 where there is none, each in parts of its own scale. `sooner` and `later` are
+ * views of the time `apart` before and after each other along the motion, NULL where they aren't needed. */
 void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_view *view,
                          const struct scree_grip_view *sooner, const struct scree_grip_view *later, double apart,
                          double values[SCREE_SWITCHES]);

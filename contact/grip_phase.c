@@ -30,8 +30,8 @@ static void set_scales(struct scree_grip *grip, double overlap, double closing) 
 
 /* ---- how a contact begins ---- */
 
-/* Whether a slider that starts without stretch slips from the first touch on: what it would carry at a tiny overlap if it stuck,
- * against what it holds there. The force of the spring by Simpson's rule in the root of the overlap. */
+/* Whether a slider that starts without stretch slips from the first touch on: what it would carry at a tiny overlap if
+ * it stuck, against what it holds there. The force of the spring by Simpson's rule in the root of the overlap. */
 static int slips_at_once(const struct scree_grip *grip, const struct scree_grip_view *view) {
     const struct scree_friction_law *law = grip->friction;
     const struct scree_law_constants *constants = &grip->rule->friction_constants;
@@ -71,8 +71,8 @@ static void begin_sideways(struct scree_grip *grip, const struct scree_grip_view
     if (speed > 0.0 && damping == 0.0) vec_store(vec_scale(1e-3 * grip->depth / speed, view->slip), memory);
 }
 
-/* Under no load yet a slider bears nothing: it slips, wherever a dashpot would push or a spring be stretched at once. What should stick
- * all the same does at the next look. */
+/* Under no load yet a slider bears nothing: it slips, wherever a dashpot would push or a spring be stretched at once.
+ * What should stick all the same does at the next look. */
 static void take_hold(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
     memset(grip->slips, 0, sizeof grip->slips);
@@ -175,7 +175,8 @@ int scree_grip_needs_rates(const struct scree_grip *grip) {
     return any;
 }
 
-/* How fast the trial force of a bare spring that slips would outgrow what it slides with, N/s: while positive it slips on. */
+/* How fast the trial force of a bare spring that slips would outgrow what it slides with, N/s: while positive it slips
+ * on. */
 static double slip_rate(const struct scree_grip *grip, int way, const struct scree_grip_view *view,
                         const struct scree_grip_view *sooner, const struct scree_grip_view *later, double apart) {
     double force = vec_norm(view->elastic[way]), along = 0.0;

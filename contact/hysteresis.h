@@ -1,11 +1,11 @@
 /* The family of laws whose dashpot grows like the spring and is scaled by the impact speed v0 of each contact:
  *   F = k d^n (1 + D u/v0),  D a function of the restitution e wanted, another one for each author.
- * What D delivers follows from D (1 + e') = ln[(1 + D)/(1 - D e')], for any n, speed and mass (Gonthier et al., Multibody Syst.
- * Dyn. 11 (2004) 209; the separable equation of contact/normal_hunt_crossley.h); solved for D it is the calibrated factor.
- * The force vanishes at zero overlap, and the contact ends there.
+ * What D delivers follows from D (1 + e') = ln[(1 + D)/(1 - D e')], for any n, speed and mass (Gonthier et al.,
+ * Multibody Syst. Dyn. 11 (2004) 209; the separable equation of contact/normal_hunt_crossley.h); solved for D it is the
+ * calibrated factor. The force vanishes at zero overlap, and the contact ends there.
  *
- * Kept of a contact: its impact speed, as the largest closing speed since it began, so that a contact that begins at rest, and
- * is driven together later, isn't damped without bounds. */
+ * Kept of a contact: its impact speed, as the largest closing speed since it began, so that a contact that begins at
+ * rest, and is driven together later, isn't damped without bounds. */
 #ifndef SCREE_CONTACT_HYSTERESIS_H
 #define SCREE_CONTACT_HYSTERESIS_H
 

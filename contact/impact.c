@@ -1,18 +1,19 @@
 /* Two bodies meet head-on, integrated to rounding.
  *
- * Laws begin and end with roots of the overlap (d^(1/4), d^(1/2), d^(3/2)), where no one-step method keeps its order. With
- *   q = (d + reach)^(1/4),  dt = 4 q^3 ds:  dq/ds = u,  du/ds = 4 q^3 (P - F)/m
- * the right-hand side is smooth there (the pull-off of adhesive laws is a root of d + reach too), and the end at q = 0 is
- * crossed at full speed. Steps are Gragg's midpoint rule extrapolated to order 12 (Bulirsch & Stoer, Numer. Math. 8 (1966) 1;
- * Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.9), as short as their error estimate demands: where
- * a law has a kink, the steps close in on it. The turning point and the end are located inside the step. */
+ * Laws begin and end with roots of the overlap (d^(1/4), d^(1/2), d^(3/2)), where no one-step method keeps its order.
+ * With q = (d + reach)^(1/4),  dt = 4 q^3 ds:  dq/ds = u,  du/ds = 4 q^3 (P - F)/m the right-hand side is smooth there
+ * (the pull-off of adhesive laws is a root of d + reach too), and the end at q = 0 is crossed at full speed. Steps are
+ * Gragg's midpoint rule extrapolated to order 12 (Bulirsch & Stoer, Numer. Math. 8 (1966) 1; Hairer, Norsett & Wanner,
+ * Solving Ordinary Differential Equations I, II.9), as short as their error estimate demands: where a law has a kink,
+ * the steps close in on it. The turning point and the end are located inside the step. */
 #include "contact/impact.h"
 
 #include <stddef.h>
 
 enum { COLUMNS = 6, MOST_STEPS = 20000 };
 
-/* Error allowed in a step, relative to overlap, speed and time: some units of rounding. And the share of the overlap's scale in a step. */
+/* Error allowed in a step, relative to overlap, speed and time: some units of rounding. And the share of the overlap's
+ * scale in a step. */
 static const double allowed = 1e-14, longest_step = 0.01;
 
 /* What is integrated: the uncut law, so that the right-hand side is smooth up to the end of the contact. */
@@ -64,8 +65,8 @@ static struct motion ahead(struct motion at, double h, struct motion rate) {
     return (struct motion){at.q + h * rate.q, at.u + h * rate.u, at.t + h * rate.t};
 }
 
-/* Change over the step h, by the midpoint rule in `parts` parts (an even number) with Gragg's smoothing at the end: its error has
- * even powers of h/parts only, and it sees a kink of the law wherever in the step that is. */
+/* Change over the step h, by the midpoint rule in `parts` parts (an even number) with Gragg's smoothing at the end: its
+ * error has even powers of h/parts only, and it sees a kink of the law wherever in the step that is. */
 static struct motion midpoint(const struct pair *pair, struct motion start, double h, int parts) {
     double part = h / parts;
     struct motion before = {0.0, 0.0, 0.0}, now = ahead(before, part, rate(pair, start));
@@ -78,7 +79,8 @@ static struct motion midpoint(const struct pair *pair, struct motion start, doub
     return (struct motion){0.5 * (now.q + beyond.q), 0.5 * (now.u + beyond.u), 0.5 * (now.t + beyond.t)};
 }
 
-/* The motion a step h later; `error` receives an estimate of the step's error, the last two extrapolations' difference. */
+/* The motion a step h later; `error` receives an estimate of the step's error, the last two extrapolations'
+ * difference. */
 static struct motion step(const struct pair *pair, struct motion at, double h, struct motion *error) {
     struct motion row[COLUMNS];
     for (int k = 0; k < COLUMNS; k++) {
@@ -106,7 +108,8 @@ static double size_of(const struct pair *pair, struct motion at) {
     return sqrt(at.u * at.u + 2.0 * fabs(stored) / pair->mass);
 }
 
-/* Take the longest step that is allowed; `*h` is what to try first, and receives what to try next. Returns its length. */
+/* Take the longest step that is allowed; `*h` is what to try first, and receives what to try next. Returns its
+ * length. */
 static double advance(const struct pair *pair, struct motion *at, double *h) {
     double size = size_of(pair, *at), most = longest_step * pair->scale / size;
     for (double taken = fmin(*h, most);; taken *= 0.5) {

@@ -1,18 +1,18 @@
-/* The pair-impulse method: every contact integrates the motion of its own two bodies against each other over the step, from
- * the state at its start, and returns the impulse J = int F dt and its first moment M = int (h - t) F dt about the end of the
- * step; the bodies gather J and M and move by them (bodies/moments.c). Inside the step
+/* The pair-impulse method: every contact integrates the motion of its own two bodies against each other over the step,
+ * from the state at its start, and returns the impulse J = int F dt and its first moment M = int (h - t) F dt about the
+ * end of the step; the bodies gather J and M and move by them (bodies/moments.c). Inside the step
  *
  *   d' = u,  w' = a + W F(d, w)
  *
  * with the relative velocity w of the ball at the contact point in axes that turn with the normal, its closing part
- * u = -w.n, and the matrix W of accelerations per unit of force. All that the pair can't know is in a: gravity, drives, the
- * turning of the axes, and the other contacts of both bodies, whose mean accelerations of the last two steps are
- * extrapolated. Where contact begins, where the dashpot turns round (u = 0), where a slider breaks loose and where contact ends is
- * located inside the step: that is what fixed steps otherwise lose their order to. within.c does that; here is what makes a
- * pair of two bodies, and impulses of what it yields.
+ * u = -w.n, and the matrix W of accelerations per unit of force. All that the pair can't know is in a: gravity, drives,
+ * the turning of the axes, and the other contacts of both bodies, whose mean accelerations of the last two steps are
+ * extrapolated. Where contact begins, where the dashpot turns round (u = 0), where a slider breaks loose and where
+ * contact ends is located inside the step: that is what fixed steps otherwise lose their order to. within.c does that;
+ * here is what makes a pair of two bodies, and impulses of what it yields.
  *
- * The directions of J and M are those at mid-step. Everything is a function of one contact and its two bodies, summed in
- * the order of the list: the same bits for any number of threads. */
+ * The directions of J and M are those at mid-step. Everything is a function of one contact and its two bodies, summed
+ * in the order of the list: the same bits for any number of threads. */
 #include "contact/loop.h"
 #include "contact/meet.h"
 #include "contact/within.h"
@@ -28,8 +28,8 @@ struct side {
     struct vec arm; /* from its centre to the contact, m */
     double sign;    /* of the contact's force on it */
     int turns;      /* the contact can turn it */
-    /* Of edges on edges, where a normal force of 1 N pushes elsewhere too (crossing.h): that, and its torque; both for a force of the
-     * ball's sign. */
+    /* Of edges on edges, where a normal force of 1 N pushes elsewhere too (crossing.h): that, and its torque; both for
+     * a force of the ball's sign. */
     int leans;
     struct vec n, lean, lean_turn;
 };
@@ -179,8 +179,8 @@ static void set_give(struct scree_pair_motion *p, const struct side *ball, const
     p->sideways_give = trace - p->normal_give;
 }
 
-/* How far to extrapolate the accelerations of the last two steps: fully, as long as damping leaves room for it; a coupled
- * set of heavily damped contacts would grow. (Largest stable steps for 12 neighbours each.) */
+/* How far to extrapolate the accelerations of the last two steps: fully, as long as damping leaves room for it; a
+ * coupled set of heavily damped contacts would grow. (Largest stable steps for 12 neighbours each.) */
 static double extrapolation(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
     struct scree_pair_instant touching = *at;
     struct scree_pair_load load;
@@ -324,8 +324,8 @@ static void add_to(double column[3][SCREE_LANES], int lane, struct vec a) {
     column[2][lane] += a.z;
 }
 
-/* The rolling law of a contact that pressed with the mean force of `sum`, by the rule of loop.c: one evaluation at mid-step, at the
- * predicted spins. */
+/* The rolling law of a contact that pressed with the mean force of `sum`, by the rule of loop.c: one evaluation at
+ * mid-step, at the predicted spins. */
 static void roll(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct place place,
                  struct view middle, double normal, int touches, double step) {
     const struct scree_rule *rule = &contacts->rule[place.batch->rule];
@@ -409,7 +409,8 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     struct view now = o->now = view_of(bodies_now, contact, batch->geometry, &place.pair[0]);
     if (idle(bodies, place, now.overlap)) return 0;
     struct view middle = view_of(bodies, contact, batch->geometry, &place.pair[1]);
-    /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step counts. */
+    /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step
+     * counts. */
     if (vec_dot(now.normal, middle.normal) < 0.9 || middle.overlap < 0.5 * SCREE_OUTSIDE) middle = now;
     o->middle = middle;
     int turns = scree_contact_turns(batch, contact);
@@ -474,8 +475,8 @@ static int contacts_in_block(const struct scree_batch *batch, int block) {
     return left < SCREE_LANES ? left : SCREE_LANES;
 }
 
-/* Contacts first … first + count - 1, a block or less: what they yield. Those that go several at once keep no books: where books are
- * wanted, each is reckoned beside it, so that what is measured changes no bit of the motion. */
+/* Contacts first … first + count - 1, a block or less: what they yield. Those that go several at once keep no books:
+ * where books are wanted, each is reckoned beside it, so that what is measured changes no bit of the motion. */
 static void impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
                         double step, struct scree_yield *yield, struct scree_moments *moments) {
@@ -506,7 +507,8 @@ static void impel_block(const struct scree_contacts *contacts, const struct scre
                 contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block]);
 }
 
-/* Moments of angular impulses into the bodies; balls have no attitude, and need none. `hosts` 0: partners are frozen. */
+/* Moments of angular impulses into the bodies; balls have no attitude, and need none. `hosts` 0: partners are
+ * frozen. */
 static void add_turn_moments(struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
                              int hosts, const struct scree_moments *moments) {
     for (int lane = 0; batch->any_turns && lane < count; lane++) {

@@ -1,5 +1,6 @@
-/* What the laws of viscoelastic spheres share. Their restitution is a function of b = (3/2) A (K/m)^(2/5) v^(1/5) and of the end
- * alone (Ramirez, Poeschel, Brilliantov & Schwager, Phys. Rev. E 60 (1999) 4465), which the integrator inverts. */
+/* What the laws of viscoelastic spheres share. Their restitution is a function of b = (3/2) A (K/m)^(2/5) v^(1/5) and
+ * of the end alone (Ramirez, Poeschel, Brilliantov & Schwager, Phys. Rev. E 60 (1999) 4465), which the integrator
+ * inverts. */
 #ifndef SCREE_CONTACT_KUWABARA_H
 #define SCREE_CONTACT_KUWABARA_H
 

@@ -1,7 +1,8 @@
-/* One lane of smooth.c: a contact of two spheres, or of one and a plane, as numbers instead of vectors and matrices, and one step of
- * Runge and Kutta of it, with what tells events in that step. Of two spheres
+/* One lane of smooth.c: a contact of two spheres, or of one and a plane, as numbers instead of vectors and matrices,
+ * and one step of Runge and Kutta of it, with what tells events in that step. Of two spheres
  *
- *   W F = (1/m_a + 1/m_b) F + (l_a^2/I_a + l_b^2/I_b) F_t,    l: from the centre to the contact, F_t: F in the tangent plane.
+ *   W F = (1/m_a + 1/m_b) F + (l_a^2/I_a + l_b^2/I_b) F_t,    l: from the centre to the contact, F_t: F in the tangent
+ * plane.
  *
  * Everything is a function of one lane, so that no bit depends on its neighbours. */
 #ifndef SCREE_CONTACT_LANE_H
@@ -43,9 +44,9 @@ struct motion {
     double pair[SCREE_PAIR_LEVER][SCREE_LANES];
 };
 
-/* Columns of what goes on: the state, and what the contact has yielded so far (along the normal, and in the tangent plane). Levers become
- * shorter by half the overlap; so the tangential velocity of the ball is v + (d - start) q, q = (w_a + w_b) x n/2, where v is that
- * at the levers of the start. */
+/* Columns of what goes on: the state, and what the contact has yielded so far (along the normal, and in the tangent
+ * plane). Levers become shorter by half the overlap; so the tangential velocity of the ball is v + (d - start) q, q =
+ * (w_a + w_b) x n/2, where v is that at the levers of the start. */
 struct course {
     double d[SCREE_LANES], u[SCREE_LANES];                          /* overlap, m; closing speed, m/s */
     double v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES]; /* m/s; 1/s; friction's memory */
@@ -58,8 +59,8 @@ struct course {
     double odd[SCREE_LANES];     /* 1: left to within.c */
 };
 
-/* Columns of one step of Runge-Kutta: its length and how it is to be made; where it leads, what it yields (moments: about its own
- * end), and what tells events: numbers that are positive before them and negative behind. */
+/* Columns of one step of Runge-Kutta: its length and how it is to be made; where it leads, what it yields (moments:
+ * about its own end), and what tells events: numbers that are positive before them and negative behind. */
 struct stride {
     double time[SCREE_LANES];
     double lasts[2][SCREE_LANES]; /* at its begin and at its end: until contact ends */
@@ -125,7 +126,8 @@ static SCREE_INLINE void rub_stage(struct smooth_laws laws, const struct smooth_
     at->slides = f.sliding;
 }
 
-/* The same of a slider behind a bare spring: it holds or slides whatever comes, until the step ends where it shouldn't any more. */
+/* The same of a slider behind a bare spring: it holds or slides whatever comes, until the step ends where it shouldn't
+ * any more. */
 static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
     double stiffness = laws.stiffness(lane->friction, lane->friction_pair, at->d), stretch = vec_norm(at->s);
     double slides = laws.hold(lane->friction, sliding_at(at, at->normal, 0.0)).slides;
@@ -184,9 +186,9 @@ static SCREE_INLINE void finish_stage(struct smooth_laws laws, const struct smoo
     }
 }
 
-/* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular frequency w errs by about
- * (w h)^3/60 times the change of acceleration x h from the first stage to the second. With a dashpot behind it, what slides keeps its two:
- * its memory is of lower order. */
+/* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular
+ * frequency w errs by about (w h)^3/60 times the change of acceleration x h from the first stage to the second. With a
+ * dashpot behind it, what slides keeps its two: its memory is of lower order. */
 static SCREE_INLINE double coarse_at(struct smooth_laws laws, const struct smooth_lane *lane, const struct motion *m,
                                      int k, const struct stage *a, const struct stage *b, const struct stage *c,
                                      const struct stage *d, const struct stage *end, double time) {
@@ -207,16 +209,16 @@ static SCREE_INLINE double coarse_at(struct smooth_laws laws, const struct smoot
     return fine ? 0.0 : 1.0;
 }
 
-/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than the
- * force: k d/c + u has no root of d in it. */
+/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than
+ * the force: k d/c + u has no root of d in it. */
 static SCREE_INLINE double lasts_at(struct smooth_laws laws, double give, double step, const struct stage *at) {
     if (!laws.cut) return at->d;
     double beyond = at->u < 0.0 ? at->u : at->d / step, within = at->normal / (at->damping + 1e-6 / (give * step));
     return at->d > 0.0 ? within : beyond;
 }
 
-/* What a slider that holds could still bear, N; by how much faster (m/s) one that slides is dragged than the stretch grows that its load
- * allows. */
+/* What a slider that holds could still bear, N; by how much faster (m/s) one that slides is dragged than the stretch
+ * grows that its load allows. */
 static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth_lane *lane, const struct motion *m,
                                     int k, double step, const struct stage *at) {
     if (!laws.bare) return 1.0;
@@ -349,8 +351,8 @@ static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const stru
     return rate;
 }
 
-/* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and their moments
- * themselves are the states. One step in sigma; of size 0: nothing. */
+/* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and
+ * their moments themselves are the states. One step in sigma; of size 0: nothing. */
 static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
                                    double step, struct course *c, struct stride *to) {
     const double node[5] = {0.0, 0.5, 0.5, 1.0, 1.0}, weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0};
@@ -393,9 +395,9 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
 
 /* ---- before the step ---- */
 
-/* The rate at which the contact damps at its start, and the steps that Runge and Kutta's method needs for its stiffness: a quarter of
- * 1/w at most, with which a contact errs by 1e-5 of its speed. `asked` > 0: so many times as many. Odd are contacts that
- * overlap still after their end. */
+/* The rate at which the contact damps at its start, and the steps that Runge and Kutta's method needs for its
+ * stiffness: a quarter of 1/w at most, with which a contact errs by 1e-5 of its speed. `asked` > 0: so many times as
+ * many. Odd are contacts that overlap still after their end. */
 static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, double step,
                                    int asked, int k, struct course *c, struct motion *m) {
     struct smooth_lane lane = lane_of(rule, m, k);

@@ -1,9 +1,10 @@
 /* What a contact law is: a description that people and programs read, and inline functions from values to values.
  *
- * A normal law lives in one header normal_<word>.h, a friction law in friction_<word>.h, a rolling law in rolling_<word>.h; the
- * word stands in one list in contact/meson.build. Everything else follows from that list. The functions hold no state and touch no
- * memory: the loop loads, calls, stores. They use + - x / sqrt, comparisons and bodies/elementary.h only, so that
- * they give the same bits everywhere and the compiler can evaluate several contacts at once.
+ * A normal law lives in one header normal_<word>.h, a friction law in friction_<word>.h, a rolling law in
+ * rolling_<word>.h; the word stands in one list in contact/meson.build. Everything else follows from that list. The
+ * functions hold no state and touch no memory: the loop loads, calls, stores. They use + - x / sqrt, comparisons and
+ * bodies/elementary.h only, so that they give the same bits everywhere and the compiler can evaluate several contacts
+ * at once.
  *
  * Signs: overlap d > 0 while touching; closing speed u > 0 while approaching; forces on the ball of the pair. */
 #ifndef SCREE_CONTACT_LAW_H
@@ -16,8 +17,8 @@
 
 enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = SCREE_SETTINGS_MAX };
 
-/* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the normal
- * law, and stretch and state of rolling and of twisting. All zero when a contact begins. */
+/* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the
+ * normal law, and stretch and state of rolling and of twisting. All zero when a contact begins. */
 enum {
     SCREE_KEPT_FRICTION = 0,
     SCREE_KEPT_STATE = 3,
@@ -75,15 +76,15 @@ struct scree_pressing {
 };
 
 /* F = elastic + damping u, cut to F >= 0 if the law says so. `reversible` is dU/dd, the part of the force that is
- * stored in the contact; the power lost is (F - reversible) u. `first` and `second` are kept; a law forgets them by itself
- * where the contact has ended. */
+ * stored in the contact; the power lost is (F - reversible) u. `first` and `second` are kept; a law forgets them by
+ * itself where the contact has ended. */
 struct scree_normal_force {
     double elastic, damping, reversible, first, second;
 };
 
-/* Description common to all laws. Texts are plain sentences; parameters end with a NULL name. `example` gives parameters as in
- * a scene file, for figures 8 and 9 and for tests: a normal law's for 0.03 kg at 1 m/s, a friction law's for speeds up to
- * 5 mm/s under 0.03 kg x g. */
+/* Description common to all laws. Texts are plain sentences; parameters end with a NULL name. `example` gives
+ * parameters as in a scene file, for figures 8 and 9 and for tests: a normal law's for 0.03 kg at 1 m/s, a friction
+ * law's for speeds up to 5 mm/s under 0.03 kg x g. */
 struct scree_law_text {
     const char *name, *formula, *source, *note, *example;
     const struct scree_parameter *parameters;
@@ -103,21 +104,21 @@ struct scree_normal_law {
                                        struct scree_pressing at);
     /* Energy that the contact gives back, J. */
     double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at);
-    /* Whether the formula changes between two instants of a contact, other than because approach turns into parting: at an overlap, a
-     * speed, where it yields. NULL: it doesn't. Both have the memory of the first. */
+    /* Whether the formula changes between two instants of a contact, other than because approach turns into parting: at
+     * an overlap, a speed, where it yields. NULL: it doesn't. Both have the memory of the first. */
     int (*bends)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing from,
                  struct scree_pressing to);
-    /* Largest gap at which bodies that have touched still pull each other, m; NULL: none. Such a law keeps in `second` whether
-     * they do (> 0). */
+    /* Largest gap at which bodies that have touched still pull each other, m; NULL: none. Such a law keeps in `second`
+     * whether they do (> 0). */
     double (*reach)(const struct scree_law_constants *law, struct scree_pair_constants pair);
     /* Closed form of the restitution of two bodies of effective mass `mass` that meet at `speed`; NULL if none. */
     double (*restitution)(const struct scree_law_constants *law, struct scree_pair_constants pair, double mass,
                           double speed);
 };
 
-/* A contact as a friction law sees it in the middle of a step: normal force (>= 0), tangential velocity of the ball against
- * its partner, overlap and closing speed, and the memory as it was `half` a step (s) before: the tangential stretch, and whether the contact was
- * sliding. With half = 0 everything is of one instant. */
+/* A contact as a friction law sees it in the middle of a step: normal force (>= 0), tangential velocity of the ball
+ * against its partner, overlap and closing speed, and the memory as it was `half` a step (s) before: the tangential
+ * stretch, and whether the contact was sliding. With half = 0 everything is of one instant. */
 struct scree_sliding {
     double normal, overlap, closing, half;
     struct vec velocity, stretch;
@@ -147,8 +148,8 @@ struct scree_friction_law {
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);
     struct scree_tangential (*force)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                      struct scree_sliding at);
-    /* What a law with memory makes of it at an instant, for those who integrate it in time; exactly one of the two: that of a
-     * slider behind a spring, or the rate (m/s) at which the stretch of a bristle changes. */
+    /* What a law with memory makes of it at an instant, for those who integrate it in time; exactly one of the two:
+     * that of a slider behind a spring, or the rate (m/s) at which the stretch of a bristle changes. */
     struct scree_hold (*hold)(const struct scree_law_constants *law, struct scree_sliding at);
     struct vec (*rate)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                        struct scree_sliding at);
@@ -161,10 +162,10 @@ struct scree_friction_law {
     double (*damping)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 };
 
-/* A rolling law resists the relative turning of two bodies: rolling, about axes across the normal, and twisting, about the
- * normal. It sees both as if they were sliding, at the lever R, the effective radius: velocities are R times the relative angular
- * velocity of the ball, along its axis, and the forces that it returns are torques over R. One function serves both, with
- * the coefficient of the one or the other. */
+/* A rolling law resists the relative turning of two bodies: rolling, about axes across the normal, and twisting, about
+ * the normal. It sees both as if they were sliding, at the lever R, the effective radius: velocities are R times the
+ * relative angular velocity of the ball, along its axis, and the forces that it returns are torques over R. One
+ * function serves both, with the coefficient of the one or the other. */
 struct scree_rolling_law {
     struct scree_law_text text;
     int memory; /* keeps stretch and state, of rolling and of twisting */

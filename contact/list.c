@@ -14,16 +14,17 @@ static double mean_way(const struct scree_contacts *contacts, const struct scree
     return way * contacts->step / some;
 }
 
-/* Steps that a body's margin is to last at its speed. A margin m lets some 9 m/R contacts more per body into the near list, each of
- * which costs every step; a new list costs as much as five contacts: so the sum is least at sqrt(R/(2 w)) steps, where w is the mean
- * way of a body in one step, and R, about 2.5 skins, its radius. */
+/* Steps that a body's margin is to last at its speed. A margin m lets some 9 m/R contacts more per body into the near
+ * list, each of which costs every step; a new list costs as much as five contacts: so the sum is least at sqrt(R/(2 w))
+ * steps, where w is the mean way of a body in one step, and R, about 2.5 skins, its radius. */
 static double steps_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double way = mean_way(contacts, bodies);
     return fmax(fmin(sqrt(1.25 * contacts->skin / way), 400.0), 20.0);
 }
 
-/* The corner of a box may touch another one sooner than its gap tells since they are deeper in each other than their roundings: deep by D,
- * it does so up to 2.3 D beside it (cores drawn in by 0.6 D, corners by sqrt(3) times that, roundings as large). */
+/* The corner of a box may touch another one sooner than its gap tells since they are deeper in each other than their
+ * roundings: deep by D, it does so up to 2.3 D beside it (cores drawn in by 0.6 D, corners by sqrt(3) times that,
+ * roundings as large). */
 double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *contact, double way, double overlap) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
@@ -60,8 +61,8 @@ static enum scree_geometry geometry_on(scree_shape_kind host) {
     }
 }
 
-/* Frozen partners that aren't balls don't mind how many slabs push them; whatever else isn't a member makes the contact one
- * of segment 0. */
+/* Frozen partners that aren't balls don't mind how many slabs push them; whatever else isn't a member makes the contact
+ * one of segment 0. */
 int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,
                      const struct scree_contact *contact) {
     int a = bodies->slab[contact->ball], b = bodies->slab[contact->host];
@@ -87,8 +88,8 @@ static void sort(struct scree_batch *batch) {
         }
 }
 
-/* What is done with contacts that the candidates yield: they are counted, or put in their places; and which are taken: those of slabs,
- * those of segment 0. */
+/* What is done with contacts that the candidates yield: they are counted, or put in their places; and which are taken:
+ * those of slabs, those of segment 0. */
 enum { FILL = 1, OF_SLABS = 2, LOOSE = 4 };
 
 static void put_code(struct scree_batch *batch, struct scree_part *segment, int code, int pass) {
@@ -133,7 +134,8 @@ static void take_balls(struct scree_contacts *contacts, const struct scree_bodie
     }
 }
 
-/* Two boxes that are deep in each other, whatever their contacts say of it: the run must not go on as if nothing had happened. */
+/* Two boxes that are deep in each other, whatever their contacts say of it: the run must not go on as if nothing had
+ * happened. */
 static void note_depth(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
@@ -219,8 +221,8 @@ static void take_some(struct scree_contacts *contacts, const struct scree_bodies
         for (; p < contacts->end[i]; p++) take_pair(contacts, bodies, i, contacts->partner[p], pass);
 }
 
-/* Two members make a contact of the first one's slab, and slabs can be filled at once; or of segment 0, if they are images or, fast as
- * they are, may meet from slabs that aren't neighbours: those come one after the other. */
+/* Two members make a contact of the first one's slab, and slabs can be filled at once; or of segment 0, if they are
+ * images or, fast as they are, may meet from slabs that aren't neighbours: those come one after the other. */
 static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads, int pass) {
     const struct scree_order *order = &bodies->order;
     int members = order->slabs ? order->members : bodies->count, shared = threads > 1 && !bodies->periodic, strays = 0;
@@ -310,8 +312,9 @@ static scree_status note_boxes(struct scree_contacts *contacts, const struct scr
     return SCREE_OK;
 }
 
-/* Margins where bodies are few: all that there is; but of boxes whose cores are apart only as far as that, for until these meet, corners and
- * edges that can touch no sooner needn't be near. Not where that lasts too short: a list by far more margins costs more. */
+/* Margins where bodies are few: all that there is; but of boxes whose cores are apart only as far as that, for until
+ * these meet, corners and edges that can touch no sooner needn't be near. Not where that lasts too short: a list by far
+ * more margins costs more. */
 static void limit_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double half = 0.5 * contacts->skin;
     for (int k = 0; k < bodies->count; k++) contacts->widest[k] = half;
@@ -334,9 +337,9 @@ static double way_of(const struct scree_contacts *contacts, const struct scree_b
     return contacts->step * (vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * lever);
 }
 
-/* Before an outer list: all that its bodies may go until the next one is half the skin, path 0. Where bodies are many, a few balls that are
- * much faster than the others would use that up long before these, and an outer list costs as much as some ten steps: they may
- * go farther, and their paths begin below 0. No result depends on it. */
+/* Before an outer list: all that its bodies may go until the next one is half the skin, path 0. Where bodies are many,
+ * a few balls that are much faster than the others would use that up long before these, and an outer list costs as much
+ * as some ten steps: they may go farther, and their paths begin below 0. No result depends on it. */
 static void widen_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double half = 0.5 * contacts->skin, steps = 0.0;
     int many = are_many(contacts, bodies);
@@ -361,8 +364,8 @@ static float at_most(double way) {
     return (double)near > way ? nextafterf(near, -HUGE_VALF) : near;
 }
 
-/* Give a body a margin out of what the outer list has left it: where bodies are many, so wide that it lasts for `steps`. 0 if too little
- * is left. */
+/* Give a body a margin out of what the outer list has left it: where bodies are many, so wide that it lasts for
+ * `steps`. 0 if too little is left. */
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
     struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = (double)contacts->spare[k];
@@ -499,8 +502,8 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
-/* No list may drop a contact that still holds, hence 1.5 times the reach. Fast bodies among many may go as far as the mean body is wide
- * beyond their half of the skin; not so far that one meets itself. */
+/* No list may drop a contact that still holds, hence 1.5 times the reach. Fast bodies among many may go as far as the
+ * mean body is wide beyond their half of the skin; not so far that one meets itself. */
 void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct scree_bodies *bodies, int few,
                                 double reach) {
     double mean = 0.0, thinnest = HUGE_VAL, most = HUGE_VAL;

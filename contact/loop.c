@@ -6,9 +6,9 @@
  *   friction   the friction law with its memory
  *   rolling    the rolling law with its memory, where there is one
  *   yield      impulses on both bodies
- * Each law makes one pass from its inline function, so there are as many loops as laws, not as products of laws; choices
- * are made per batch, never per contact. This file is compiled once for each kind of processor (contact/meson.build), and
- * uses nothing that could make a difference in a bit. */
+ * Each law makes one pass from its inline function, so there are as many loops as laws, not as products of laws;
+ * choices are made per batch, never per contact. This file is compiled once for each kind of processor
+ * (contact/meson.build), and uses nothing that could make a difference in a bit. */
 #include "contact/loop.h"
 #include "contact/block.h"
 #include "contact/law_list.h"
@@ -20,10 +20,10 @@
 typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
                       double *const *kept, double step);
 
-/* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step in
- * which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The spring
- * is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked up, not
- * compared again: a second comparison would make a branch of the law, and no vector. */
+/* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step
+ * in which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The
+ * spring is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked
+ * up, not compared again: a second comparison would make a branch of the law, and no vector. */
 #define NORMAL_PASS(word)                                                                                              \
     static SCREE_INLINE void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,     \
                                               const double *const *pair, double *const *kept) {                        \
@@ -90,7 +90,8 @@ SCREE_NORMAL_LAWS(NORMAL_PASS)
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
 
-/* Pairs of laws that often go together make one pass more, in which they share what both need (the root of the overlap). */
+/* Pairs of laws that often go together make one pass more, in which they share what both need (the root of the
+ * overlap). */
 #define COMMON_PAIRS(PAIR) PAIR(tsuji, mindlin) PAIR(tsuji_cut, mindlin) PAIR(hertz, mindlin)
 #define COMMON_PASS(one, other)                                                                                        \
     static void common_pass_##one##_##other(struct block *b, int count, const struct scree_rule *rule,                 \
@@ -287,8 +288,9 @@ static void press_and_rub(struct block *b, int count, const struct scree_rule *r
     if (rule->friction >= 0) friction_passes[rule->friction](b, count, &rule->friction_constants, pair, kept, step);
 }
 
-/* The stretch of a slider's spring counts from the touch, not from the beginning of the step in which bodies meet: without this friction
- * is of first order. Until the middle of the step, to which the laws add half of it, that is overlap/closing. */
+/* The stretch of a slider's spring counts from the touch, not from the beginning of the step in which bodies meet:
+ * without this friction is of first order. Until the middle of the step, to which the laws add half of it, that is
+ * overlap/closing. */
 static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
     for (int k = 0; k < count; k++) {
         if (!(b->overlap[k] > 0.0 && b->overlap[k] < step * b->closing[k])) continue;
@@ -393,14 +395,15 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
 
 /* ---- straight into the bodies ---- */
 
-/* Columns of impulses and angular impulses on the ball, and what is taken from the host: angular impulses with the other sign. Fourth
- * columns are zero. */
+/* Columns of impulses and angular impulses on the ball, and what is taken from the host: angular impulses with the
+ * other sign. Fourth columns are zero. */
 struct kicks {
     _Alignas(64) double impulse[4][SCREE_LANES];
     double turn_ball[4][SCREE_LANES], turn_host[4][SCREE_LANES];
 };
 
-/* Two balls that don't roll on torques of their own are turned along one direction, each by its lever: `turn_ball` is that. */
+/* Two balls that don't roll on torques of their own are turned along one direction, each by its lever: `turn_ball` is
+ * that. */
 static inline int by_levers(int deeds) { return deeds & TURNS && deeds & BALLS && !(deeds & ROLLS); }
 
 static SCREE_INLINE void make_kicks(const struct block *b, int count, double step, int deeds, struct kicks *kicks) {
@@ -414,8 +417,8 @@ static SCREE_INLINE void make_kicks(const struct block *b, int count, double ste
     }
 }
 
-/* Add the kicks of a block to its bodies. `hosts`: partners are pushed too; else they are frozen, and several slabs have them in
- * common. */
+/* Add the kicks of a block to its bodies. `hosts`: partners are pushed too; else they are frozen, and several slabs
+ * have them in common. */
 #if defined __AVX512F__
 static SCREE_INLINE void load_kicks(double (*impulse)[SCREE_LANES], double (*turn)[SCREE_LANES], int lane,
                                     wide_row r[8]) {
@@ -557,8 +560,8 @@ static SCREE_INLINE void call(const void *array, size_t offset, size_t size) {
         __builtin_prefetch((const void *)((uintptr_t)array + offset + line), 1);
 }
 
-/* A quarter of what the blocks to come need is asked for after each pass: bodies of the next one, contacts and memory of the one after.
- * Asked for at once it would wait in a queue, and the passes behind it. */
+/* A quarter of what the blocks to come need is asked for after each pass: bodies of the next one, contacts and memory
+ * of the one after. Asked for at once it would wait in a queue, and the passes behind it. */
 enum { QUARTER = SCREE_LANES / 4 };
 static SCREE_INLINE void call_ahead(const struct scree_batch *batch, int first, const struct ends *next, int left,
                                     int quarter) {
@@ -624,7 +627,8 @@ static int move(struct scree_bodies *bodies, int from, int to, const struct scre
 
 /* ---- one slab ---- */
 
-/* Bodies before place `first` move on, a block of them at a time. Inlined, it would take registers from the contacts. */
+/* Bodies before place `first` move on, a block of them at a time. Inlined, it would take registers from the
+ * contacts. */
 static __attribute__((noinline)) void follow(struct scree_bodies *bodies, int first, struct scree_trail *trail,
                                              struct scree_tally *tally) {
     for (; trail->next + SCREE_LANES <= first; trail->next += SCREE_LANES)

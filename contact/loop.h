@@ -9,14 +9,15 @@ struct scree_loop {
     /* Contacts first … first + count - 1 (at most SCREE_LANES) of a batch through one step: what they yield. */
     void (*act)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield);
-    /* As many contacts of a slab, added straight to their bodies and to the tally; bodies move on behind them (NULL: none). */
+    /* As many contacts of a slab, added straight to their bodies and to the tally; bodies move on behind them (NULL:
+     * none). */
     void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally,
                          struct scree_trail *trail);
     /* Bodies from … to - 1, free or frozen balls, go on (scree_departure). */
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go);
-    /* As many contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Bits of those that it
-     * can't do are set, and their lanes left alone. */
+    /* As many contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Bits of those
+     * that it can't do are set, and their lanes left alone. */
     uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
                       struct scree_moments *moments);
@@ -27,8 +28,8 @@ struct scree_loop {
 
 extern const struct scree_loop scree_loop_baseline, scree_loop_avx2, scree_loop_avx512;
 
-/* The widest loop that this processor runs, or the one that the environment variable SCREE_ISA asks for (baseline, avx2, avx512)
- * if it can; all give the same bits. */
+/* The widest loop that this processor runs, or the one that the environment variable SCREE_ISA asks for (baseline,
+ * avx2, avx512) if it can; all give the same bits. */
 const struct scree_loop *scree_choose_loop(void);
 
 /* The same for some few contacts, with which vectors of eight would be half empty and are slower to divide. */

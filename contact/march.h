@@ -1,6 +1,6 @@
-/* Contacts of smooth.c on their way through a step: lanes go on by steps of Runge and Kutta, each of its own length. What happens in one
- * (contact ends, a slider breaks loose or holds again, approach turns into parting) is located; lanes to which something happens wait until
- * nothing else goes on in their block, and go past it together. */
+/* Contacts of smooth.c on their way through a step: lanes go on by steps of Runge and Kutta, each of its own length.
+ * What happens in one (contact ends, a slider breaks loose or holds again, approach turns into parting) is located;
+ * lanes to which something happens wait until nothing else goes on in their block, and go past it together. */
 #ifndef SCREE_CONTACT_MARCH_H
 #define SCREE_CONTACT_MARCH_H
 
@@ -54,11 +54,12 @@ struct march {
     struct motion m;
     struct course c;
     struct stride to;
-    int by_clock; /* steps by the clock of a root of the overlap: all are behind its begin (1) or before its end (-1); 0: they aren't */
+    int by_clock; /* steps by the clock of a root of the overlap: all are behind its begin (1) or before its end (-1);
+                     0: they aren't */
 };
 
-/* What happens in a step of Runge-Kutta: nothing; it is too long; approach turns into parting where the law isn't smooth there; a
- * slider breaks loose, or holds again; contact ends; or what is left to within.c. */
+/* What happens in a step of Runge-Kutta: nothing; it is too long; approach turns into parting where the law isn't
+ * smooth there; a slider breaks loose, or holds again; contact ends; or what is left to within.c. */
 enum { NOTHING, COARSE, TURNS, SLIPS, ENDS, ODD };
 
 /* So many events of a contact are gone past in a step, what has more is left to within.c; so many tries find one. */
@@ -168,8 +169,9 @@ static void accept(int count, int rubs, const double *event, struct march *x) {
     })
 }
 
-/* Set the clock of a lane for its step: time since the begin of the root, or until its end, which is reckoned with the speed of now unless
- * it is known to be that of the step. Returns the number of its own steps, for a root that is near and one that isn't. */
+/* Set the clock of a lane for its step: time since the begin of the root, or until its end, which is reckoned with the
+ * speed of now unless it is known to be that of the step. Returns the number of its own steps, for a root that is near
+ * and one that isn't. */
 static int set_clock(const struct smooth_pass *pass, int k, int ends, struct march *x) {
     struct stride *to = &x->to;
     double time = to->time[k], away = fabs(x->c.d[k] / x->c.u[k]), over = away - time, way = way_by_clock(x, k);
@@ -224,8 +226,8 @@ struct bracket {
     int kept;
 };
 
-/* Regula falsi with the weights of Anderson & Bjoerck, BIT 13 (1973) 253: the value of an end that is kept twice is cut by as much as the
- * other one has fallen. */
+/* Regula falsi with the weights of Anderson & Bjoerck, BIT 13 (1973) 253: the value of an end that is kept twice is cut
+ * by as much as the other one has fallen. */
 static double cut_of(double value, double before) {
     double cut = 1.0 - value / before;
     return cut > 0.0 ? cut : 0.5;
@@ -250,8 +252,9 @@ static double guess(const struct bracket *in, int bisect) {
     return !bisect && t > in->low && t < in->high ? t : 0.5 * (in->low + in->high);
 }
 
-/* Shorten the steps over whose course events happen, so that they end there. What should have happened before they begin happens where they
- * do; from a value of zero it may have risen first, but not for less than a millionth of the step. */
+/* Shorten the steps over whose course events happen, so that they end there. What should have happened before they
+ * begin happens where they do; from a value of zero it may have risen first, but not for less than a millionth of the
+ * step. */
 static void shorten(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
     struct bracket in[SCREE_LANES];
     double size[SCREE_LANES];
@@ -376,7 +379,8 @@ static void go_past(const struct smooth_pass *pass, int count, const double *eve
     for (int k = 0; k < padded(count); k++) x->c.events[k] += own[k] != NOTHING;
 }
 
-/* One step of all lanes. Where something happens, lanes wait until nothing else goes on any more: then they all go past it. */
+/* One step of all lanes. Where something happens, lanes wait until nothing else goes on any more: then they all go past
+ * it. */
 static void advance(const struct smooth_pass *pass, int count, struct march *x) {
     double event[SCREE_LANES] = {0.0};
     int goes_on = 0;

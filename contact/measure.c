@@ -1,4 +1,5 @@
-/* A contact as it is at one instant, measured without changing anything: by the laws' descriptions, apart from the loop. */
+/* A contact as it is at one instant, measured without changing anything: by the laws' descriptions, apart from the
+ * loop. */
 #include "contact/meet.h"
 
 /* Friction at this instant, and what its spring holds. */

@@ -1,4 +1,5 @@
-/* What every way of stepping a contact needs: where its ball meets its partner, and how a stretch follows the normal. */
+/* What every way of stepping a contact needs: where its ball meets its partner, and how a stretch follows the
+ * normal. */
 #ifndef SCREE_CONTACT_MEET_H
 #define SCREE_CONTACT_MEET_H
 
@@ -55,9 +56,9 @@ struct scree_gait {
     double closing;  /* m/s */
 };
 
-/* From the normal and the overlap; the ball's radius, and its place from its body's centre; centre, velocity of the centre of the
- * ball's body against its partner's; both spins. Both bodies are acted on at one point, the middle of the overlap, so that
- * angular momentum is kept. */
+/* From the normal and the overlap; the ball's radius, and its place from its body's centre; centre, velocity of the
+ * centre of the ball's body against its partner's; both spins. Both bodies are acted on at one point, the middle of the
+ * overlap, so that angular momentum is kept. */
 static inline struct scree_gait scree_gait_of(struct vec n, double overlap, double radius, struct vec corner,
                                               struct vec apart, struct vec velocity, struct vec ball_spin,
                                               struct vec host_spin) {
@@ -68,8 +69,8 @@ static inline struct scree_gait scree_gait_of(struct vec n, double overlap, doub
     return (struct scree_gait){arm, vec_axpy(velocity, closing, n), closing};
 }
 
-/* How two balls move at the middle of their overlap. Both arms are along the normal, so spins add up before they are crossed with
- * it, and friction alone turns: fewer operations and roundings than scree_gait_of. */
+/* How two balls move at the middle of their overlap. Both arms are along the normal, so spins add up before they are
+ * crossed with it, and friction alone turns: fewer operations and roundings than scree_gait_of. */
 struct scree_roll {
     struct vec slip;
     double closing;
@@ -86,7 +87,8 @@ static inline struct scree_roll scree_roll_of(struct vec n, double overlap, doub
     return roll;
 }
 
-/* Energy that is lost when bodies attach whose law reaches beyond touch: it binds them at once, and counts from the end. */
+/* Energy that is lost when bodies attach whose law reaches beyond touch: it binds them at once, and counts from the
+ * end. */
 static inline double scree_snap_energy(double (*stored)(const struct scree_law_constants *, struct scree_pair_constants,
                                                         struct scree_pressing),
                                        const struct scree_law_constants *law, struct scree_pair_constants pair) {
@@ -130,17 +132,17 @@ static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *b
     velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(c->point, apart)));
     double closing =
         -vec_dot(c->force, between) - vec_dot(c->turn_a, vec_from(ball->w)) - vec_dot(c->turn_b, vec_from(host->w));
-    /* A gradient that turns a body more than a force at its farthest point would is too steep for an explicit dashpot: what the dashpot
-     * is told of the speed is less in the square, as if its lever ended there. */
+    /* A gradient that turns a body more than a force at its farthest point would is too steep for an explicit dashpot:
+     * what the dashpot is told of the speed is less in the square, as if its lever ended there. */
     double lever = fmax(vec_norm(c->turn_a) / ball->bound, vec_norm(c->turn_b) / host->bound);
     if (lever > 1.0) closing /= lever * lever;
     return (struct scree_gait){c->point, vec_axpy(velocity, -vec_dot(velocity, n), n), closing};
 }
 
-/* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. Of its square A the
- * part s was along the normal, and 1/sqrt(1 - s/A) is taken as its Pade approximant of orders 2 and 2, which errs by (s/A)^5/512:
- * by rounding while the normal turns by less than 0.05 in a step, and by 3e-4 for an eighth of a turn. The threshold keeps
- * rounding from doing anything where the normal stands still. */
+/* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. Of its
+ * square A the part s was along the normal, and 1/sqrt(1 - s/A) is taken as its Pade approximant of orders 2 and 2,
+ * which errs by (s/A)^5/512: by rounding while the normal turns by less than 0.05 in a step, and by 3e-4 for an eighth
+ * of a turn. The threshold keeps rounding from doing anything where the normal stands still. */
 static SCREE_INLINE struct vec scree_into_tangent_plane(struct vec stretch, struct vec normal) {
     double along = vec_dot(stretch, normal), square = vec_norm2(stretch), s = along * along;
     struct vec flat = vec_axpy(stretch, -along, normal);

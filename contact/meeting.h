@@ -1,5 +1,5 @@
-/* The way of smooth.c's lanes into the step and out of it: where two bodies meet, what drives them besides their contact, what is kept of it;
- * then impulses and torques of what it yields. One loop over the lanes each. */
+/* The way of smooth.c's lanes into the step and out of it: where two bodies meet, what drives them besides their
+ * contact, what is kept of it; then impulses and torques of what it yields. One loop over the lanes each. */
 #ifndef SCREE_CONTACT_MEETING_H
 #define SCREE_CONTACT_MEETING_H
 
@@ -7,7 +7,8 @@
 
 /* ---- gather ---- */
 
-/* Where contacts are, and what bodies do by themselves (scree_push; differences of ball and host where that is enough). */
+/* Where contacts are, and what bodies do by themselves (scree_push; differences of ball and host where that is
+ * enough). */
 struct meeting {
     double later_n[3][SCREE_LANES];                              /* normal in the middle of the step */
     double arm[SCREE_LANES], host_arm[SCREE_LANES];              /* from the centres to the contact at the start, m */

@@ -1,8 +1,10 @@
-/* Near lists: the contacts of the outer list whose gap is less than what margins are left to their two bodies. All of them are computed
- * in every step, touching or not. What laws keep of a contact moves along in place, segment by segment.
+/* Near lists: the contacts of the outer list whose gap is less than what margins are left to their two bodies. All of
+ * them are computed in every step, touching or not. What laws keep of a contact moves along in place, segment by
+ * segment.
  *
- * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they ask for a
- * new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together, not each at its time. */
+ * The invariant: a contact that isn't listed has a gap larger than the ways that its bodies may still go before they
+ * ask for a new list. One body that asks makes all lists anew, and all bodies get new margins: so they ask together,
+ * not each at its time. */
 #include "bodies/memory.h"
 #include "contact/meet.h"
 
@@ -151,8 +153,8 @@ static int keeps_something(const struct scree_batch *batch, int k) {
     return 0;
 }
 
-/* What was seen of the two boxes looked at last: how deep their cores are in each other; of edges the near ones, by rising codes, and the
- * first of them that hasn't been asked for. */
+/* What was seen of the two boxes looked at last: how deep their cores are in each other; of edges the near ones, by
+ * rising codes, and the first of them that hasn't been asked for. */
 struct sight {
     int ball, host;
     double overlap;
@@ -198,8 +200,8 @@ static inline int are_near(const struct scree_bodies *bodies, const struct scree
     return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
 }
 
-/* Some contacts of a segment's outer list, and which of them are near. Chance decides that: so nothing branches on it. The next ones are
- * read ahead, so that their bodies come from memory meanwhile. */
+/* Some contacts of a segment's outer list, and which of them are near. Chance decides that: so nothing branches on it.
+ * The next ones are read ahead, so that their bodies come from memory meanwhile. */
 struct view {
     struct scree_outer outer;
     int left; /* to be read */
@@ -274,7 +276,8 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
     return count;
 }
 
-/* A column from the places of the old list to those of the new one: those that go on move together, then apart. `size` is a constant. */
+/* A column from the places of the old list to those of the new one: those that go on move together, then apart. `size`
+ * is a constant. */
 static SCREE_INLINE void move_column(unsigned char *own, size_t size, int count, const int *from) {
     size_t going_on = 0;
     for (int k = 0; k < count; k++)
@@ -494,7 +497,8 @@ static int close_up(struct scree_batch *batch) {
     return used;
 }
 
-/* Put the first `used` contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the other. */
+/* Put the first `used` contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the
+ * other. */
 static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int used, int *index) {
     struct column column[ALL_COLUMNS];
     int columns = all_columns_of(batch, column);
@@ -571,7 +575,8 @@ static int count_moving(const struct scree_contacts *contacts, const struct scre
     return count;
 }
 
-/* Give all contacts of a batch their new codes; those that belong to the other batch go to `moving`. Returns how many stay. */
+/* Give all contacts of a batch their new codes; those that belong to the other batch go to `moving`. Returns how many
+ * stay. */
 static int take_out(const struct scree_contacts *contacts, struct scree_batch *batch, int used,
                     struct scree_moving *moving) {
     struct column column[MOST_COLUMNS];

@@ -1,7 +1,7 @@
 /* Hertz's contact with a constant pull: adhesion of hard, small bodies.
  *   F = K d^(3/2) - 2 pi w R* while d > 0
- * Derjaguin, Muller & Toporov, J. Colloid Interface Sci. 53 (1975) 314. The contact ends at zero overlap, where it pulls with
- * 2 pi w R*, as it did when it began: restitution 1. */
+ * Derjaguin, Muller & Toporov, J. Colloid Interface Sci. 53 (1975) 314. The contact ends at zero overlap, where it
+ * pulls with 2 pi w R*, as it did when it began: restitution 1. */
 #ifndef SCREE_CONTACT_NORMAL_DMT_H
 #define SCREE_CONTACT_NORMAL_DMT_H
 

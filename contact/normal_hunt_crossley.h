@@ -43,8 +43,8 @@ static inline double hunt_log(double x) {
     return -sum * x * x;
 }
 
-/* The D = c v_i > 0 that gives restitution e = v_o/v_i: ln[(1 + D)/(1 - e D)] - D (1 + e) is negative below it and positive
- * above, up to its pole at D = 1/e. Bisection to rounding. */
+/* The D = c v_i > 0 that gives restitution e = v_o/v_i: ln[(1 + D)/(1 - e D)] - D (1 + e) is negative below it and
+ * positive above, up to its pole at D = 1/e. Bisection to rounding. */
 static inline double hunt_damping(double e) {
     double low = 0.0, high = 1.0 / e;
     for (int k = 0; k < 200; k++) {

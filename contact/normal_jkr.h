@@ -1,10 +1,10 @@
 /* Adhesion of soft bodies: contact of radius a, held together by the work of adhesion w.
  *   d = a^2/R* - sqrt(2 pi w a/E*),  F = 4 E* a^3/(3 R*) - sqrt(8 pi w E* a^3)
- * Johnson, Kendall & Roberts, Proc. R. Soc. A 324 (1971) 301. With a = a_c x^2, a_c^3 = pi w R*^2/(8 E*), d_c = a_c^2/R*:
- *   d = d_c (x^4 - 4 x),  F = pi w R* (x^6/6 - x^3),  x >= 1;  largest pull 1.5 pi w R* at x^3 = 3
- * Bodies attach at d = 0, where the law jumps to x^3 = 4 and pulls, and let go at d = -3 d_c, x = 1: a loop that costs
- * pi w a_c^2 (12 4^(1/3) + 2)/5 = 4.2098 pi w a_c^2 a contact, e = sqrt(1 - 2 loss/(m v^2)). Energy counts from the end at x = 1.
- * Kept of a contact: that the bodies are attached. */
+ * Johnson, Kendall & Roberts, Proc. R. Soc. A 324 (1971) 301. With a = a_c x^2, a_c^3 = pi w R*^2/(8 E*), d_c =
+ * a_c^2/R*: d = d_c (x^4 - 4 x),  F = pi w R* (x^6/6 - x^3),  x >= 1;  largest pull 1.5 pi w R* at x^3 = 3 Bodies
+ * attach at d = 0, where the law jumps to x^3 = 4 and pulls, and let go at d = -3 d_c, x = 1: a loop that costs pi w
+ * a_c^2 (12 4^(1/3) + 2)/5 = 4.2098 pi w a_c^2 a contact, e = sqrt(1 - 2 loss/(m v^2)). Energy counts from the end at x
+ * = 1. Kept of a contact: that the bodies are attached. */
 #ifndef SCREE_CONTACT_NORMAL_JKR_H
 #define SCREE_CONTACT_NORMAL_JKR_H
 
@@ -30,8 +30,9 @@ static inline struct scree_pair_constants jkr_pair(const struct scree_law_consta
     return (struct scree_pair_constants){{force, contact * contact / radius}};
 }
 
-/* t = x - 1 >= 0 of x^4 - 4 x = depth >= -3: t^2 (t^2 + 4 t + 6) = depth + 3. Without the term 4 t the equation gives a start
- * above the root, from which Newton's steps descend; six of them reach rounding (worst after the start: a factor 1.5). */
+/* t = x - 1 >= 0 of x^4 - 4 x = depth >= -3: t^2 (t^2 + 4 t + 6) = depth + 3. Without the term 4 t the equation gives a
+ * start above the root, from which Newton's steps descend; six of them reach rounding (worst after the start: a
+ * factor 1.5). */
 static inline double jkr_beyond(double depth) {
     double e = depth > -3.0 ? depth + 3.0 : 0.0;
     double t = sqrt(e / (3.0 + sqrt(9.0 + e)));

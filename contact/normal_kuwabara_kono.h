@@ -1,8 +1,8 @@
 /* Viscoelastic spheres; the force may pull, and the contact ends at zero overlap.
  *   F = K (d^(3/2) + (3/2) A d^(1/2) u)
- * Kuwabara & Kono, Jpn. J. Appl. Phys. 26 (1987) 1230; Brilliantov, Spahn, Hertzsch & Poeschel, Phys. Rev. E 53 (1996) 5382.
- * Restitution falls with impact speed (Ramirez, Poeschel, Brilliantov & Schwager, Phys. Rev. E 60 (1999) 4465): a function of b = (3/2) A (K/m)^(2/5) v^(1/5),
- * e = 1 - 1.15345 b + 0.79827 b^2 - ..., without closed form. */
+ * Kuwabara & Kono, Jpn. J. Appl. Phys. 26 (1987) 1230; Brilliantov, Spahn, Hertzsch & Poeschel, Phys. Rev. E 53 (1996)
+ * 5382. Restitution falls with impact speed (Ramirez, Poeschel, Brilliantov & Schwager, Phys. Rev. E 60 (1999) 4465): a
+ * function of b = (3/2) A (K/m)^(2/5) v^(1/5), e = 1 - 1.15345 b + 0.79827 b^2 - ..., without closed form. */
 #ifndef SCREE_CONTACT_NORMAL_KUWABARA_KONO_H
 #define SCREE_CONTACT_NORMAL_KUWABARA_KONO_H
 

@@ -1,7 +1,7 @@
 /* A law by measurement: force over overlap and closing speed on a grid, straight between its points.
  *   F = F0(d) + [F(d, u) - F0(d)],  F0(d) = F(d, 0) is stored and given back, the rest is lost
- * Beyond the last overlap the force goes on as straight as between the last two, beyond the speeds it stays as at the last. It
- * never pulls. Tables whose rest would give energy are refused. */
+ * Beyond the last overlap the force goes on as straight as between the last two, beyond the speeds it stays as at the
+ * last. It never pulls. Tables whose rest would give energy are refused. */
 #ifndef SCREE_CONTACT_NORMAL_TABLE_H
 #define SCREE_CONTACT_NORMAL_TABLE_H
 
@@ -9,7 +9,8 @@
 
 static const struct scree_parameter table_parameters[] = {{0}};
 
-/* The interval of rising `x` (count >= 2) that holds `at`, and how far along it `at` is: 0 … 1 inside, beyond outside. */
+/* The interval of rising `x` (count >= 2) that holds `at`, and how far along it `at` is: 0 … 1 inside, beyond
+ * outside. */
 static inline int table_interval(int count, const double *x, double at, double *share) {
     int low = 0, high = count - 1;
     while (high - low > 1) {

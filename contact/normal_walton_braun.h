@@ -1,6 +1,7 @@
 /* Hysteretic spring, stiffer while it unloads.
  *   F = K1 d while loading;  F = max(0, K1 D - K2 (D - d)) while unloading from the largest overlap D
- * Walton & Braun, J. Rheol. 30 (1986) 949. A free impact ends where the force vanishes, at d0 = D (1 - K1/K2); e = sqrt(K1/K2). */
+ * Walton & Braun, J. Rheol. 30 (1986) 949. A free impact ends where the force vanishes, at d0 = D (1 - K1/K2); e =
+ * sqrt(K1/K2). */
 #ifndef SCREE_CONTACT_NORMAL_WALTON_BRAUN_H
 #define SCREE_CONTACT_NORMAL_WALTON_BRAUN_H
 

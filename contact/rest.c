@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-/* Bodies are looked at every so many steps; who has rested so often falls asleep, and one look later has shown its balance. */
+/* Bodies are looked at every so many steps; who has rested so often falls asleep, and one look later has shown its
+ * balance. */
 enum { LOOK = 64, ENOUGH = 16, SETTLED = ENOUGH + 1 };
 
 int scree_rest_is_look(long steps) { return steps % LOOK == 0; }

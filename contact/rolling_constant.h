@@ -1,9 +1,9 @@
 /* Rolling resistance of constant torque (type A): against the rolling, whatever its speed.
  *   M = -mu_r R N w/|w|, w the relative angular velocity across the normal; twisting likewise along it
- * J. Ai, J.-F. Chen, J. M. Rotter & J. Y. Ooi, "Assessment of rolling resistance models in discrete element simulations", Powder
- * Technol. 206 (2011) 269, model A; Y. C. Zhou et al., Physica A 269 (1999) 536. As published the torque jumps at w = 0, so a ball that
- * has come to rest chatters, at up to M h/I rad/s, and doesn't hold on a slope without that. `threshold` puts a ramp in place
- * of the jump: then it creeps instead. spring-dashpot truly rests. */
+ * J. Ai, J.-F. Chen, J. M. Rotter & J. Y. Ooi, "Assessment of rolling resistance models in discrete element
+ * simulations", Powder Technol. 206 (2011) 269, model A; Y. C. Zhou et al., Physica A 269 (1999) 536. As published the
+ * torque jumps at w = 0, so a ball that has come to rest chatters, at up to M h/I rad/s, and doesn't hold on a slope
+ * without that. `threshold` puts a ramp in place of the jump: then it creeps instead. spring-dashpot truly rests. */
 #ifndef SCREE_CONTACT_ROLLING_CONSTANT_H
 #define SCREE_CONTACT_ROLLING_CONSTANT_H
 

@@ -1,7 +1,8 @@
 /* Elastic-plastic rolling resistance (type C): a rolling spring and dashpot behind a slider that holds up to mu_r R N.
  *   M = -(k_r theta + c_r w), |M| <= mu_r R N;  k_r = k R^2, c_r = c R^2;  twisting likewise with its own coefficient
- * Ai et al., Powder Technol. 206 (2011) 269, model C, who put k_r = 2.25 k_n (mu_r R)^2, so k = 2.25 mu_r^2 k_n. There the spring is
- * cut and the dashpot off while it is; here both are behind the slider (contact/slider.h), so that the torque is continuous. */
+ * Ai et al., Powder Technol. 206 (2011) 269, model C, who put k_r = 2.25 k_n (mu_r R)^2, so k = 2.25 mu_r^2 k_n. There
+ * the spring is cut and the dashpot off while it is; here both are behind the slider (contact/slider.h), so that the
+ * torque is continuous. */
 #ifndef SCREE_CONTACT_ROLLING_SPRING_DASHPOT_H
 #define SCREE_CONTACT_ROLLING_SPRING_DASHPOT_H
 

@@ -1,7 +1,7 @@
 /* Viscous rolling resistance (type B): the torque grows with the rolling.
  *   M = -eta_r R N (R w), w the relative angular velocity across the normal; twisting likewise along it
- * Ai et al., Powder Technol. 206 (2011) 269, model B, who write w1 R1 - w2 R2 in place of R w: that doesn't vanish when two bodies
- * turn as one. */
+ * Ai et al., Powder Technol. 206 (2011) 269, model B, who write w1 R1 - w2 R2 in place of R w: that doesn't vanish when
+ * two bodies turn as one. */
 #ifndef SCREE_CONTACT_ROLLING_VISCOUS_H
 #define SCREE_CONTACT_ROLLING_VISCOUS_H
 

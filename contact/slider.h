@@ -3,19 +3,20 @@
  *   k s + c s' = -F
  * Slider and dashpot only take energy out.
  *
- * The stretch of a contact that slides without a dashpot is that of its force, so it belongs to the middle of the step, not to its end:
- * the next middle is a whole step ahead, not half of one. Otherwise a contact would go on sliding until the load falls only
- * half as fast as the spring relaxes, at any step. With a dashpot the stretch lags behind the force by c/k, and the step
- * ahead shrinks to the half again. Still passive: over a sliding step from s_0 to s = share x (s_0 + p), p = h v, the energy taken is
- * k/2 (|p - (1 - share)(s_0 + p)|^2 + 2 share (1 - share) |s_0 + p|^2). The first step that sticks
- * again catches up to its end if that takes energy too, k/2 (-s_0 p - p^2/4) >= 0: where the slip has turned round. */
+ * The stretch of a contact that slides without a dashpot is that of its force, so it belongs to the middle of the step,
+ * not to its end: the next middle is a whole step ahead, not half of one. Otherwise a contact would go on sliding until
+ * the load falls only half as fast as the spring relaxes, at any step. With a dashpot the stretch lags behind the force
+ * by c/k, and the step ahead shrinks to the half again. Still passive: over a sliding step from s_0 to s = share x (s_0
+ * + p), p = h v, the energy taken is k/2 (|p - (1 - share)(s_0 + p)|^2 + 2 share (1 - share) |s_0 + p|^2). The first
+ * step that sticks again catches up to its end if that takes energy too, k/2 (-s_0 p - p^2/4) >= 0: where the slip has
+ * turned round. */
 #ifndef SCREE_CONTACT_SLIDER_H
 #define SCREE_CONTACT_SLIDER_H
 
 #include "contact/law.h"
 
-/* Forces in N: `holds` is the largest that the slider bears, `slides` (<= holds) that with which it slides. k > 0, c >= 0; `lag` is
- * c/(c + half k), `slack` (lag^2 - 1)/k. */
+/* Forces in N: `holds` is the largest that the slider bears, `slides` (<= holds) that with which it slides. k > 0, c >=
+ * 0; `lag` is c/(c + half k), `slack` (lag^2 - 1)/k. */
 static SCREE_INLINE struct scree_tangential scree_slider_lagging(struct scree_sliding at, double k, double c,
                                                                  double lag, double slack, double holds,
                                                                  double slides) {

@@ -1,11 +1,11 @@
-/* Contacts of two spheres, or of one with a plane or a frozen sphere, that go through a step of the pair-impulse method several at
- * once. What they do is what within.c does, in numbers instead of matrices (lane.h): contact begins, breaks loose, turns round, ends
- * and begins again inside the step, and each of these instants is located (march.h).
+/* Contacts of two spheres, or of one with a plane or a frozen sphere, that go through a step of the pair-impulse method
+ * several at once. What they do is what within.c does, in numbers instead of matrices (lane.h): contact begins, breaks
+ * loose, turns round, ends and begins again inside the step, and each of these instants is located (march.h).
  *
- * Few are left to within.c: contacts that may be pushed together again after their end, that are thrown back before they touch, and of
- * friction with a dashpot those where a root begins or ends. Which they are, and all that becomes of the others, is decided for each contact by its own numbers, so
- * that no bit depends on its neighbours in the list, on threads or on the processor. Compiled once for each kind of processor, as
- * loop.c is. */
+ * Few are left to within.c: contacts that may be pushed together again after their end, that are thrown back before
+ * they touch, and of friction with a dashpot those where a root begins or ends. Which they are, and all that becomes of
+ * the others, is decided for each contact by its own numbers, so that no bit depends on its neighbours in the list, on
+ * threads or on the processor. Compiled once for each kind of processor, as loop.c is. */
 #include "contact/law_list.h"
 #include "contact/loop.h"
 #include "contact/march.h"

@@ -1,10 +1,11 @@
-/* One contact inside one step of the pair-impulse method: where contact begins, where the dashpot turns round, where the law
- * changes its formula, where a slider breaks loose and where contact ends is located; between these points classical Runge-Kutta,
- * whose variables are overlap and velocity, so that a contact at rest is a fixed point of it to rounding. */
+/* One contact inside one step of the pair-impulse method: where contact begins, where the dashpot turns round, where
+ * the law changes its formula, where a slider breaks loose and where contact ends is located; between these points
+ * classical Runge-Kutta, whose variables are overlap and velocity, so that a contact at rest is a fixed point of it to
+ * rounding. */
 #include "contact/within.h"
 
-/* Of the searches for an event inside a step, each at least halves its bracket every third time. A ball that bounces to rest within a
- * step touches a few times; its contacts last, so there is an end to them. */
+/* Of the searches for an event inside a step, each at least halves its bracket every third time. A ball that bounces to
+ * rest within a step touches a few times; its contacts last, so there is an end to them. */
 enum { TRIES = 16, MOST_TOUCHES = 64 };
 
 static inline double closing_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
@@ -23,8 +24,8 @@ void scree_pair_press(const struct scree_pair_motion *p, const struct scree_pair
     load->force = vec_scale(load->normal, p->n);
 }
 
-/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than the
- * force: k d/c + u has no root of d in it. */
+/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than
+ * the force: k d/c + u has no root of d in it. */
 static double lasting(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
     if (p->normal->reach || !p->normal->cut) return at->overlap + p->reach;
     double closing = closing_of(p, at);
@@ -44,8 +45,8 @@ static struct scree_sliding sliding_of(const struct scree_pair_motion *p, const 
     return sliding;
 }
 
-/* Add friction to the load of an instant; what the law makes of its memory at that instant (a stretch beyond what the normal
- * force can hold) is kept. */
+/* Add friction to the load of an instant; what the law makes of its memory at that instant (a stretch beyond what the
+ * normal force can hold) is kept. */
 static void rub(const struct scree_pair_motion *p, struct scree_pair_instant *at, struct scree_pair_load *load) {
     load->rubbing = 0.0;
     if (!p->friction) return;
@@ -156,7 +157,8 @@ static struct scree_pair_instant move(const struct scree_pair_motion *p, const s
 
 /* ---- where the force sets in, or ends, as a root of the overlap ---- */
 
-/* How near, in time, a piece is to an overlap of zero: since the one behind, until the one ahead; negative: too far to matter. */
+/* How near, in time, a piece is to an overlap of zero: since the one behind, until the one ahead; negative: too far to
+ * matter. */
 struct nearness {
     double since, until;
 };
@@ -189,8 +191,8 @@ static void place(const struct scree_pair_motion *p, const struct scree_pair_ins
     at->overlap = from->overlap - vec_dot(vec_axpy(shift, t, from->velocity), p->n);
 }
 
-/* Time as the p-th power of a variable that runs from `first` by `size` to its end, so that force and motion are smooth in it:
- * t = sigma^p span - since behind a begin, until - span (1 - sigma)^p before an end. */
+/* Time as the p-th power of a variable that runs from `first` by `size` to its end, so that force and motion are smooth
+ * in it: t = sigma^p span - since behind a begin, until - span (1 - sigma)^p before an end. */
 struct clock {
     double since, until, span, first, size, time;
     int root, pieces, backwards;
@@ -281,8 +283,8 @@ static double still(const struct scree_pair_motion *p, enum event event, const s
     return event == TURNS ? closing_of(p, at) : lasting(p, at);
 }
 
-/* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois), and
- * bisection where that is slow. `to` and `yield` are those of the whole piece and become those of the part. */
+/* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois),
+ * and bisection where that is slow. `to` and `yield` are those of the whole piece and become those of the part. */
 static void shorten(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *from,
                     struct nearness near, double *time, struct scree_pair_instant *to, struct scree_pair_yield *yield) {
     double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to), size = at_low;
@@ -316,8 +318,8 @@ static int bends(const struct scree_pair_motion *p, const struct scree_pair_inst
     return p->normal->bends(p->normal_law, p->normal_pair, first, then);
 }
 
-/* Where the law changes its formula within the piece, which is shortened to end just beyond. Returns whether it does; where nothing moves
- * to speak of, no force changes either. */
+/* Where the law changes its formula within the piece, which is shortened to end just beyond. Returns whether it does;
+ * where nothing moves to speak of, no force changes either. */
 static int shorten_to_bend(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                            struct nearness near, double *time, struct scree_pair_instant *to,
                            struct scree_pair_yield *yield) {
@@ -342,8 +344,8 @@ static int breaks_loose(const struct scree_pair_motion *p, const struct scree_pa
     return now.sliding > 0.0 && !(at->sliding > 0.0);
 }
 
-/* Where a slider breaks loose its force leaves that of the spring, with a kink or a jump. If it does within the piece, the piece
- * is shortened to end there, as if it held up to then. */
+/* Where a slider breaks loose its force leaves that of the spring, with a kink or a jump. If it does within the piece,
+ * the piece is shortened to end there, as if it held up to then. */
 static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                            struct nearness near, double *time, struct scree_pair_instant *to,
                            struct scree_pair_yield *yield) {
@@ -421,8 +423,8 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
 
 /* ---- the beginning ---- */
 
-/* When contact begins within the step, in which it is `time` now, on the parabola of free flight; the step's end if it doesn't. `at`
- * is moved there. */
+/* When contact begins within the step, in which it is `time` now, on the parabola of free flight; the step's end if it
+ * doesn't. `at` is moved there. */
 static double begin(const struct scree_pair_motion *p, double time, struct scree_pair_instant *at,
                     struct scree_pair_yield *sum) {
     struct scree_pair_instant from = *at, end = *at;

@@ -1,4 +1,5 @@
-/* One contact inside one step of the pair-impulse method (impulse.c): what it is given, what becomes of it, what it yields. */
+/* One contact inside one step of the pair-impulse method (impulse.c): what it is given, what becomes of it, what it
+ * yields. */
 #ifndef SCREE_CONTACT_WITHIN_H
 #define SCREE_CONTACT_WITHIN_H
 
@@ -51,7 +52,8 @@ struct scree_pair_yield {
 void scree_pair_press(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                       struct scree_pair_load *load);
 
-/* Through the whole step, from `at`, which is moved to its end. Returns impulse and moment on the ball, along the axes of the start. */
+/* Through the whole step, from `at`, which is moved to its end. Returns impulse and moment on the ball, along the axes
+ * of the start. */
 struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct scree_pair_instant *at);
 
 #endif

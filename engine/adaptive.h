@@ -1,5 +1,5 @@
-/* The integrator for small scenes: the whole scene as one system of differential equations, integrated with Dormand & Prince's
- * method of order 8 (dop853.h) to a tolerance, and stopped wherever a law changes.
+/* The integrator for small scenes: the whole scene as one system of differential equations, integrated with Dormand &
+ * Prince's method of order 8 (dop853.h) to a tolerance, and stopped wherever a law changes.
  *
  *   course.c    the course of a step of the scene
  *   adaptive.c  unknowns, rates, contacts
@@ -7,10 +7,11 @@
  *   events.c    what ends a step early: switch functions (contact/grip.h), located on the step; clocks of pairs
  *   flight.c    nothing touches: straight to the next possible touch
  *
- * A step of the scene (scene->step, the time between rows of output) begins and ends with bodies and contact memory as every other
- * integrator leaves them, and phases are made anew from these; beside them only the length of the next step is kept. So a run
- * that was saved and resumed goes on with the same bits. Unknowns are, for each body that moves, position, velocity, angular
- * momentum and attitude; for each contact its memory; and the sums of the energy books, which have no say in the steps. */
+ * A step of the scene (scene->step, the time between rows of output) begins and ends with bodies and contact memory as
+ * every other integrator leaves them, and phases are made anew from these; beside them only the length of the next step
+ * is kept. So a run that was saved and resumed goes on with the same bits. Unknowns are, for each body that moves,
+ * position, velocity, angular momentum and attitude; for each contact its memory; and the sums of the energy books,
+ * which have no say in the steps. */
 #ifndef SCREE_ENGINE_ADAPTIVE_H
 #define SCREE_ENGINE_ADAPTIVE_H
 
@@ -91,7 +92,8 @@ scree_status scree_adaptive_list(struct scree_scene *scene);
 /* A place in y for the memory of a contact that begins. */
 void scree_adaptive_claim(struct scree_adaptive *a, int grip);
 
-/* Everything anew from bodies and kept memory, at the start of a step of the scene; and contact memory back, from the views. */
+/* Everything anew from bodies and kept memory, at the start of a step of the scene; and contact memory back, from the
+ * views. */
 scree_status scree_adaptive_begin_step(struct scree_scene *scene);
 void scree_adaptive_keep(struct scree_scene *scene);
 
@@ -106,7 +108,8 @@ double scree_adaptive_error(struct scree_scene *scene, double time);
 /* Rates, views and switch functions at the start of a step, after something has changed. */
 void scree_adaptive_look(struct scree_scene *scene);
 
-/* Integrate attitudes alone, for so many seconds in which nothing touches; nonzero, and reported, if that can't be done. */
+/* Integrate attitudes alone, for so many seconds in which nothing touches; nonzero, and reported, if that can't be
+ * done. */
 int scree_adaptive_turn(struct scree_scene *scene, double time);
 
 /* ---- events.c ---- */
@@ -118,8 +121,8 @@ void scree_adaptive_switches(struct scree_scene *scene, const double *y, const d
 /* Begin what touches at y and closes in. Returns how many. */
 int scree_adaptive_begin(struct scree_scene *scene);
 
-/* Whether phases changed in the step of length h that was just tried. If so, repeats it up to the first change, which is then made;
- * *h becomes the length. */
+/* Whether phases changed in the step of length h that was just tried. If so, repeats it up to the first change, which
+ * is then made; *h becomes the length. */
 int scree_adaptive_event(struct scree_scene *scene, double *h);
 
 /* Choose the clock of the next step: 1 if it has changed. `left`: s until the step must end. */

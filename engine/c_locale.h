@@ -1,5 +1,5 @@
-/* Numbers are read and written with a decimal point, whatever locale the host program has set: switch this thread to the C
- * locale and back. */
+/* Numbers are read and written with a decimal point, whatever locale the host program has set: switch this thread to
+ * the C locale and back. */
 #ifndef SCREE_ENGINE_C_LOCALE_H
 #define SCREE_ENGINE_C_LOCALE_H
 

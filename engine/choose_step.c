@@ -10,8 +10,8 @@ static const double steps_per_contact = 50.0, share_of_limit = 0.2, share_of_imp
 
 enum { few_spheres = 1000 };
 
-/* Time of a step of pair impulses over that of a Verlet step, without and with friction, for choosing between them: of impacts 3.2
- * to 4.3 and 5 to 8, of a box that slides 16 (scree-bench precision, data/bench/precision.csv). */
+/* Time of a step of pair impulses over that of a Verlet step, without and with friction, for choosing between them: of
+ * impacts 3.2 to 4.3 and 5 to 8, of a box that slides 16 (scree-bench precision, data/bench/precision.csv). */
 static const double cost_of_impulses[2] = {3.5, 10.0};
 
 /* ---- the step by accuracy ---- */
@@ -38,7 +38,8 @@ static const struct scree_rule_trial *farthest(const struct scree_scene *scene, 
     return worst;
 }
 
-/* The longest step with which the scene's integrator is accurate enough, s; where bodies stay together, that of step = "auto". */
+/* The longest step with which the scene's integrator is accurate enough, s; where bodies stay together, that of step =
+ * "auto". */
 static scree_status find_accurate(struct scree_scene *scene) {
     const struct scree_time_def *time = &scene->time;
     scene->plan.choice.accurate = HUGE_VAL;
@@ -64,8 +65,9 @@ static double stable_share(const struct scree_scene *scene) {
     return share * scene->plan.choice.limit;
 }
 
-/* Few spheres: each impact counts, and pair impulses give it more digits for the time it takes. Many, in steady contact, are computed
- * for their mean, which Verlet gets faster; boxes keep more of their energy with it (data/bench/collide.csv). */
+/* Few spheres: each impact counts, and pair impulses give it more digits for the time it takes. Many, in steady
+ * contact, are computed for their mean, which Verlet gets faster; boxes keep more of their energy with it
+ * (data/bench/collide.csv). */
 static scree_integrator integrator_for(const struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     int boxes = 0;

@@ -126,10 +126,10 @@ static double spin_energy(const struct scree_inertia *inertia, const double *own
     return 0.5 * vec_dot(m, vec_times(vec_from(inertia->inverse_moments), m));
 }
 
-/* A body that nothing touches turns at constant energy: what the step has lost of it is put back by the smallest turn that does
- * (a projection: Hairer, Lubich & Wanner, Geometric Numerical Integration, 2nd ed. 2006, section IV.4). Its angular momentum
- * is an unknown and stays as it is. Close to a principal axis turns change next to no energy, and none is put back; nor is rounding, which would be a larger turn
- * there than any error. */
+/* A body that nothing touches turns at constant energy: what the step has lost of it is put back by the smallest turn
+ * that does (a projection: Hairer, Lubich & Wanner, Geometric Numerical Integration, 2nd ed. 2006, section IV.4). Its
+ * angular momentum is an unknown and stays as it is. Close to a principal axis turns change next to no energy, and none
+ * is put back; nor is rounding, which would be a larger turn there than any error. */
 static void restore_spin(const struct scree_inertia *inertia, double energy, double *own) {
     struct vec l = vec_from(own + OF_L);
     struct quat q = quat_normalise(quat_from(own + OF_Q));
@@ -208,8 +208,8 @@ static scree_status stop_at_edges(struct scree_scene *scene) {
     return SCREE_OK;
 }
 
-/* Bodies that come near within the step and part again may touch unseen: where the gap is least on the cubic through both ends, s after
- * the start; 0 where none is in doubt. */
+/* Bodies that come near within the step and part again may touch unseen: where the gap is least on the cubic through
+ * both ends, s after the start; 0 where none is in doubt. */
 static double doubtful(const struct scree_adaptive *a, double h) {
     for (int k = 0; k < a->grips && a->clock < 0; k++) {
         double d0 = -a->before[k][SCREE_SWITCH_OVERLAP], d1 = a->view[k].overlap, c0 = a->closing[k],
@@ -301,7 +301,8 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
     struct scree_adaptive *a = scene->adaptive;
     if (scree_adaptive_clock(scene, c->segment - a->y[Y_TIME])) {
         scree_adaptive_rates(scene, a->y, a->work.k[0]);
-        /* Near the begin powers of the clock cancel in the estimates of the error: they can't be trusted with a long step. */
+        /* Near the begin powers of the clock cancel in the estimates of the error: they can't be trusted with a long
+         * step. */
         if (a->clock >= 0) a->tick = (a->goal - a->y[Y_CLOCK]) / (a->parting ? 3.0 : 100.0);
     }
     scree_adaptive_measure(scene);

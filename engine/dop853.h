@@ -1,7 +1,7 @@
-/* One step of Dormand & Prince's method of order 8 with error estimates of orders 5 and 3 (J. Comput. Appl. Math. 6 (1980) 19; the
- * coefficients and the combined estimate: Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 2nd ed. 1993,
- * section II.10). Knows nothing of scenes: what a step is measured by, how long the next one is and where it should end is its
- * caller's business. */
+/* One step of Dormand & Prince's method of order 8 with error estimates of orders 5 and 3 (J. Comput. Appl. Math. 6
+ * (1980) 19; the coefficients and the combined estimate: Hairer, Norsett & Wanner, Solving Ordinary Differential
+ * Equations I, 2nd ed. 1993, section II.10). Knows nothing of scenes: what a step is measured by, how long the next one
+ * is and where it should end is its caller's business. */
 #ifndef SCREE_ENGINE_DOP853_H
 #define SCREE_ENGINE_DOP853_H
 

@@ -93,7 +93,8 @@ struct event {
     int grip, which;
 };
 
-/* The switch function that has fallen below zero furthest, as far as one can tell from both ends: the first of all; grip -1: none. */
+/* The switch function that has fallen below zero furthest, as far as one can tell from both ends: the first of all;
+ * grip -1: none. */
 static struct event first_event(const struct scree_scene *scene) {
     const struct scree_adaptive *a = scene->adaptive;
     struct event event = {-1, 0};
@@ -111,9 +112,9 @@ static struct event first_event(const struct scree_scene *scene) {
     return event;
 }
 
-/* Shorten the step to where one switch function, negative at its end, is zero: inverse quadratic interpolation with bisection
- * as Chandrupatla (Adv. Eng. Softw. 28 (1997) 145) chooses between them. A function that starts at zero counts from where it is
- * positive; if it is nowhere, the event is at the start. Returns the length. */
+/* Shorten the step to where one switch function, negative at its end, is zero: inverse quadratic interpolation with
+ * bisection as Chandrupatla (Adv. Eng. Softw. 28 (1997) 145) chooses between them. A function that starts at zero
+ * counts from where it is positive; if it is nowhere, the event is at the start. Returns the length. */
 static double locate(struct scree_scene *scene, struct event event, double h) {
     struct scree_adaptive *a = scene->adaptive;
     double small = nothing(scene, &a->grip[event.grip], event.which), *value = &a->value[event.grip][event.which];
@@ -160,7 +161,8 @@ static double locate(struct scree_scene *scene, struct event event, double h) {
     return x1;
 }
 
-/* Near the border of sticking and slipping rounding decides between them, again and again: one step then goes on with what it has. */
+/* Near the border of sticking and slipping rounding decides between them, again and again: one step then goes on with
+ * what it has. */
 static void note_slide(struct scree_grip *grip, int way, double time) {
     if (fabs(time - grip->since[way]) < 1e-4 * grip->depth / grip->speed) grip->wary[way] = 2;
     grip->since[way] = time;
@@ -214,8 +216,9 @@ int scree_adaptive_event(struct scree_scene *scene, double *h) {
 
 static double root_of(double x, int root) { return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : x; }
 
-/* Where forces set in or end like a root of the overlap, that root is the variable in which all is smooth: near the begin up to
- * about 0.45 of the contact's scale (p = 2; 0.7 for p = 4), near the end, if the overlap decides it, all the way down. */
+/* Where forces set in or end like a root of the overlap, that root is the variable in which all is smooth: near the
+ * begin up to about 0.45 of the contact's scale (p = 2; 0.7 for p = 4), near the end, if the overlap decides it, all
+ * the way down. */
 static int suits(const struct scree_grip *grip, const struct scree_grip_view *view, int runs, int *parting) {
     if (grip->state != SCREE_GRIP_HELD) return 0;
     double share = (grip->root == 4 ? 0.24 : 0.2) * (runs ? 1.0 : 0.5); /* to begin with it must pay */

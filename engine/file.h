@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* The whole content of a file ("-": standard input), NUL-terminated, to be freed; NULL on failure. SCREE_BAD_INPUT if it
- * holds more than `largest` bytes. */
+/* The whole content of a file ("-": standard input), NUL-terminated, to be freed; NULL on failure. SCREE_BAD_INPUT if
+ * it holds more than `largest` bytes. */
 char *scree_read_file(const char *path, size_t largest, size_t *size, scree_trouble *trouble);
 
 /* A file being written. Until it is kept its name ends in ".part", and a file of its final name stays as it was. */
@@ -21,8 +21,9 @@ struct scree_out {
 /* Open for writing; SCREE_NO_FILE, also while another process writes a file of that name. */
 scree_status scree_out_open(struct scree_out *out, const char *path, scree_trouble *trouble);
 
-/* Flush and close, still under the temporary name; SCREE_NO_FILE if anything since the opening didn't reach the file (then
- * the temporary file is removed). Several files that belong together are all finished before the first is kept. */
+/* Flush and close, still under the temporary name; SCREE_NO_FILE if anything since the opening didn't reach the file
+ * (then the temporary file is removed). Several files that belong together are all finished before the first is
+ * kept. */
 scree_status scree_out_finish(struct scree_out *out, scree_trouble *trouble);
 
 /* Finish it, unless that is done, and give it its name; SCREE_NO_FILE. Does nothing on an `out` that isn't open. */
@@ -40,8 +41,8 @@ typedef int scree_ours(const char *name);
 /* Remove a folder's files that are `ours`, and the folder itself if that leaves it empty. */
 void scree_clear_folder(const char *path, scree_ours *ours);
 
-/* Let the folder `fresh` take the place of the folder `path`, if there is one: its files that are `ours` are removed, all
- * others move to the new one. `aside` is a name for the time in between. SCREE_NO_FILE: both are as they were. */
+/* Let the folder `fresh` take the place of the folder `path`, if there is one: its files that are `ours` are removed,
+ * all others move to the new one. `aside` is a name for the time in between. SCREE_NO_FILE: both are as they were. */
 scree_status scree_replace_folder(const char *fresh, const char *path, const char *aside, scree_ours *ours,
                                   scree_trouble *trouble);
 

@@ -1,8 +1,9 @@
 /* Free flight: where nothing touches and only gravity acts, bodies go straight to the next possible touch.
  *
- * For spheres among each other, and on planes, that is the root of a quadratic: free bodies fall alike, so their relative motion is
- * straight. For all else it is a time in which no two can meet: their gap over the largest speed at which it can close, from
- * which the flight goes on; close to each other, steps with their search for the touch take over. */
+ * For spheres among each other, and on planes, that is the root of a quadratic: free bodies fall alike, so their
+ * relative motion is straight. For all else it is a time in which no two can meet: their gap over the largest speed at
+ * which it can close, from which the flight goes on; close to each other, steps with their search for the touch take
+ * over. */
 #include "engine/adaptive.h"
 
 #include "contact/meet.h"

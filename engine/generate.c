@@ -1,5 +1,5 @@
-/* Spheres by rule: on a lattice, or anywhere. What is random is drawn in one fixed order from one small generator, so that a
- * definition means the same spheres on every machine. */
+/* Spheres by rule: on a lattice, or anywhere. What is random is drawn in one fixed order from one small generator, so
+ * that a definition means the same spheres on every machine. */
 #include "engine/scene.h"
 
 #include <limits.h>
@@ -135,8 +135,8 @@ static void fill_lattice(const scree_generate_def *def, const struct lattice *la
 
 /* ---- anywhere ---- */
 
-/* Spheres so far, in cells of grids: one for each power of two of their size, the coarsest is number 0. A sphere lies in the
- * grid whose cells are just as large as its diameter; all before it are as large as it or larger. */
+/* Spheres so far, in cells of grids: one for each power of two of their size, the coarsest is number 0. A sphere lies
+ * in the grid whose cells are just as large as its diameter; all before it are as large as it or larger. */
 enum { GRIDS = 32, TRIES = 20000 };
 
 struct cells {

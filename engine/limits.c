@@ -69,8 +69,8 @@ static void add_rolling_rates(const struct scree_scene *scene, const struct scre
 }
 
 /* Stretches are summed up from predicted velocities, which makes the characteristic polynomial
- * (l - 1)^2 (l + h C/2 - h^2 K/4) + h^2 K l^2 + h C l (l - 1): a swing grows by (h^2 K)^2/8 - h C/2 a step, without damping at any
- * step (2e-6 where the step is 1/50 of a contact). The step at which that is 0.2 %. */
+ * (l - 1)^2 (l + h C/2 - h^2 K/4) + h^2 K l^2 + h C l (l - 1): a swing grows by (h^2 K)^2/8 - h C/2 a step, without
+ * damping at any step (2e-6 where the step is 1/50 of a contact). The step at which that is 0.2 %. */
 static double stretch_step(struct pair_rates sideways) {
     double k = sideways.stiffness, c = sideways.damping, low = 0.0, high = k > 0.0 ? 2.0 / sqrt(k) : HUGE_VAL;
     if (!(k > 0.0) || 2.0 - 0.5 * high * c < 2e-3) return HUGE_VAL; /* the limit of every spring is lower */
@@ -121,8 +121,9 @@ static double stable_step(struct pair_rates rates) {
     return root > 0.0 ? 4.0 / root : HUGE_VAL;
 }
 
-/* The same for pair impulses, 1/h as a broken line over w = sqrt(K) and C below which no block of spheres with 12 neighbours
- * each grew, whatever its damping ratio; the others' extrapolated forces set it, not the pair's own motion. */
+/* The same for pair impulses, 1/h as a broken line over w = sqrt(K) and C below which no block of spheres with 12
+ * neighbours each grew, whatever its damping ratio; the others' extrapolated forces set it, not the pair's own
+ * motion. */
 static double stable_impulse_step(struct pair_rates rates) {
     double c = rates.damping + rates.friction_ramp, w = sqrt(rates.stiffness);
     double rate = fmax(fmin(1.2 * w + 3.25 * c, 2.05 * w + 1.125 * c), 2.15 * c);
@@ -178,8 +179,9 @@ static void note_pair(double value, int i, int j, double *least, int pair[2]) {
     pair[1] = j;
 }
 
-/* The pair of its rule that trial impacts stand for: the one with the shortest contact. The sphere has the mass with which corners
- * that share a load, or one alone, meet; the laws take their constants from that of the bodies, as ever. */
+/* The pair of its rule that trial impacts stand for: the one with the shortest contact. The sphere has the mass with
+ * which corners that share a load, or one alone, meet; the laws take their constants from that of the bodies, as
+ * ever. */
 static void note_trial(const struct scree_scene *scene, const struct scree_rule *rule, int i, int j, double duration) {
     struct scree_rule_trial *trial = &scene->plan.trial[rule - scene->contacts.rule];
     const struct scree_bodies *bodies = &scene->bodies;

@@ -49,8 +49,9 @@ static void set_paces(struct scree_scene *scene, double step) {
 
 static double length3(const double *v) { return vec_norm(vec_from(v)); }
 
-/* The larger of `worst` and the error of one quantity, three numbers of it from `at`, in parts of `scale`. Both estimates belong to
- * the same quantity: one whose rates are a mere power of the variable would hide the error of the others. */
+/* The larger of `worst` and the error of one quantity, three numbers of it from `at`, in parts of `scale`. Both
+ * estimates belong to the same quantity: one whose rates are a mere power of the variable would hide the error of the
+ * others. */
 static double larger(double worst, const struct scree_adaptive *a, int at, double scale) {
     double error = scree_dop853_error(length3(a->work.error5 + at) / scale, length3(a->work.error3 + at) / scale);
     return error > worst || isnan(error) ? error : worst;
@@ -81,7 +82,8 @@ static double grip_misfit(const struct scree_scene *scene, int k, double step) {
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
         double stretch = length3(a->y + a->place[k] + 3 * way), rate = vec_norm(view->rate[way]);
         double unit = scree_grip_stiffness(&a->grip[k], way, 0.5 * a->grip[k].depth);
-        /* Memory begins with nothing, like a power of time: relative errors would stay as they are however short the step. */
+        /* Memory begins with nothing, like a power of time: relative errors would stay as they are however short the
+         * step. */
         double least = unit > 0.0 ? 1e-2 * a->grip[k].load / unit : 0.0;
         worst = larger(worst, a, a->place[k] + 3 * way, tolerance * fmax(fmax(stretch, step * rate), least) + 1e-290);
     }

@@ -17,10 +17,12 @@ struct scree_names_piece {
 
 enum { PIECE = 64 << 10 };
 
-/* A run ends where its number, divided by this, gives another whole number: so these tell which runs a name can belong to. */
+/* A run ends where its number, divided by this, gives another whole number: so these tell which runs a name can belong
+ * to. */
 enum { RUN = 64 };
 
-/* A name in its two parts. The number is as long as can be, without zeros before it: so both parts together are the name again. */
+/* A name in its two parts. The number is as long as can be, without zeros before it: so both parts together are the
+ * name again. */
 static struct scree_names_run parts_of(const char *name) {
     enum { DIGITS = 9 };
     size_t length = strlen(name), stem = length;

@@ -1,5 +1,5 @@
-/* Names of things that are numbered from 0: by number, and the number by name. Of names that count on, "s 1", "s 2", …, as those of many
- * spheres do, only the first of 64 is kept. */
+/* Names of things that are numbered from 0: by number, and the number by name. Of names that count on, "s 1", "s 2", …,
+ * as those of many spheres do, only the first of 64 is kept. */
 #ifndef SCREE_ENGINE_NAMES_H
 #define SCREE_ENGINE_NAMES_H
 
@@ -29,8 +29,8 @@ int scree_names_find(const struct scree_names *names, const char *name);
 /* Name by number, from 0 to count - 1. */
 scree_name scree_names_at(const struct scree_names *names, int number);
 
-/* Copy a name of at most SCREE_NAME_LENGTH bytes that isn't there and give it the next number; 0, or 1 if there is no memory (then
- * nothing is changed). */
+/* Copy a name of at most SCREE_NAME_LENGTH bytes that isn't there and give it the next number; 0, or 1 if there is no
+ * memory (then nothing is changed). */
 int scree_names_add(struct scree_names *names, const char *name);
 
 /* Forget all names from number `count` on. */

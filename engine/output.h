@@ -27,8 +27,8 @@ scree_status scree_output_row(struct scree_output *output, scree_scene *scene, s
 /* Finish all files, and write final.state (and spheres.csv) beside them. */
 scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
 
-/* Close everything; what is unfinished stays under its temporary name (`leave`) or is removed. After a successful keep it
- * only frees memory. */
+/* Close everything; what is unfinished stays under its temporary name (`leave`) or is removed. After a successful keep
+ * it only frees memory. */
 void scree_output_drop(struct scree_output *output, int leave);
 
 #endif

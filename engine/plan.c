@@ -15,8 +15,8 @@ static const double pi = 3.14159265358979323846;
 
 static scree_body_def definition_of(const void *scene, int index) { return scree_scene_definition(scene, index); }
 
-/* A state replaces where free bodies start, but not where fixed ones are and driven ones count from; and whoever changes a start
- * means another run. */
+/* A state replaces where free bodies start, but not where fixed ones are and driven ones count from; and whoever
+ * changes a start means another run. */
 static uint64_t print_start(uint64_t hash, const scree_body_def *def) {
     hash = scree_hash_on(hash, def->position, sizeof def->position);
     hash = scree_hash_on(hash, def->orientation, sizeof def->orientation);
@@ -34,7 +34,8 @@ static void set_period(struct scree_scene *scene) {
     }
 }
 
-/* After it the definitions of bodies are no longer needed: in large scenes they take more memory than some of the state. */
+/* After it the definitions of bodies are no longer needed: in large scenes they take more memory than some of the
+ * state. */
 static scree_status make_bodies(struct scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
     scree_status status = scree_bodies_create(bodies, scene->defs, scene->motion, scene->motions, &scene->trouble);
@@ -67,8 +68,8 @@ static void count_bodies(struct scree_scene *scene) {
     }
 }
 
-/* Sort all pairs of bodies, species by species, into those that can meet and those that can't; fails on a pair that could
- * meet without a rule. */
+/* Sort all pairs of bodies, species by species, into those that can meet and those that can't; fails on a pair that
+ * could meet without a rule. */
 static scree_status check_pairs(struct scree_scene *scene, const struct scree_species *species) {
     struct scree_scene_plan *plan = &scene->plan;
     const struct scree_bodies *bodies = &scene->bodies;
@@ -258,8 +259,8 @@ static int may_cross(const struct scree_scene *scene, int i, int j) {
     return !scree_share_axis(&boxes);
 }
 
-/* The adaptive integrator doesn't follow edges on edges. Boxes that share an axis are let pass: should their edges touch all the same,
- * the run stops there. */
+/* The adaptive integrator doesn't follow edges on edges. Boxes that share an axis are let pass: should their edges
+ * touch all the same, the run stops there. */
 static scree_status refuse_edges(struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
     for (int j = 0; j < bodies->count; j++)

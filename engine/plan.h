@@ -26,13 +26,13 @@ struct scree_species *scree_sort_into_species(const struct scree_scene *scene);
 /* Largest impact speed to reckon with, m/s: what the bodies and the drives have, and what a fall adds. */
 double scree_estimate_speed(const struct scree_scene *scene);
 
-/* Stability limit, shortest contact and reach of all contacts that can happen at the choice's speed, for the scene's integrator; of rules
- * on trial, the pair that trial impacts stand for. */
+/* Stability limit, shortest contact and reach of all contacts that can happen at the choice's speed, for the scene's
+ * integrator; of rules on trial, the pair that trial impacts stand for. */
 void scree_find_limits(const struct scree_scene *scene, const struct scree_species *species,
                        struct scree_step_choice *choice);
 
-/* Set the scene's step, and its integrator if none was asked for; SCREE_BAD_INPUT for a step beyond the limit or an accuracy out of
- * reach, SCREE_NO_MEMORY. */
+/* Set the scene's step, and its integrator if none was asked for; SCREE_BAD_INPUT for a step beyond the limit or an
+ * accuracy out of reach, SCREE_NO_MEMORY. */
 scree_status scree_choose_step(struct scree_scene *scene, const struct scree_species *species);
 
 #endif

@@ -1,5 +1,5 @@
-/* Typed access to the tables of a TOML file, with messages that name file, line and column. The first complaint stays; after it
- * nothing is read any more. */
+/* Typed access to the tables of a TOML file, with messages that name file, line and column. The first complaint stays;
+ * after it nothing is read any more. */
 #ifndef SCREE_ENGINE_READER_H
 #define SCREE_ENGINE_READER_H
 
@@ -44,8 +44,8 @@ void scree_read_each(struct scree_reader *r, const struct scree_toml *root, cons
 /* Index of a string among NULL-terminated words, or 0 with a complaint. */
 int scree_choose(struct scree_reader *r, const struct scree_toml *node, const char *what, const char *const *words);
 
-/* Read the table that a string names, beside the file; `rising` names a column that must increase, NULL: none. Its path, to be
- * freed; NULL after a complaint. */
+/* Read the table that a string names, beside the file; `rising` names a column that must increase, NULL: none. Its
+ * path, to be freed; NULL after a complaint. */
 char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
                             struct scree_table *table);
 
@@ -57,7 +57,8 @@ char *scree_read_word_file(struct scree_reader *r, const struct scree_toml *node
 SCREE_PRINTF(5, 6)
 void scree_complain_in_table(struct scree_reader *r, const char *path, int line, int column, const char *format, ...);
 
-/* rows = [[…], …] as columns of these names (NULL-terminated), from `least` to as many as there are; `what` tells how rows look. */
+/* rows = [[…], …] as columns of these names (NULL-terminated), from `least` to as many as there are; `what` tells how
+ * rows look. */
 void scree_read_rows(struct scree_reader *r, const struct scree_toml *rows, const char *const *names, int least,
                      const char *what, struct scree_table *table);
 

@@ -1,7 +1,7 @@
 /* Save and restore: the whole state of a run, so that what follows is the same in every bit as without the break.
  *
- * The file: a line of text, a mark of the machine's byte order, fingerprints of the scene, then the state as it stands in
- * memory, and a hash of all that went before. */
+ * The file: a line of text, a mark of the machine's byte order, fingerprints of the scene, then the state as it stands
+ * in memory, and a hash of all that went before. */
 #include "engine/hash.h"
 #include "engine/scene.h"
 
@@ -50,8 +50,8 @@ static void get(struct stream *s, void *data, size_t size) {
 
 /* ---- what makes a state belong to a scene ---- */
 
-/* Fingerprints of all that decides how the state goes on, part by part, so that a message can say what differs. Output, the
- * time at which a run ends, and threads are free to change; the step is looked at apart. */
+/* Fingerprints of all that decides how the state goes on, part by part, so that a message can say what differs. Output,
+ * the time at which a run ends, and threads are free to change; the step is looked at apart. */
 enum {
     PRINT_BODIES,
     PRINT_START,
@@ -193,7 +193,8 @@ static scree_status compare(scree_scene *scene, const struct prints *stored, con
     if (differs[0])
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                             "%s: this state belongs to another scene; what differs: %s", name, differs);
-    /* The step that the state began with: halving takes the one given down, in the state or in the scene that goes back to it. */
+    /* The step that the state began with: halving takes the one given down, in the state or in the scene that goes back
+     * to it. */
     double step = ldexp(scalars->step, scalars->watched.halvings);
     double own_step = ldexp(scene->step, scene->watched.halvings);
     if (scene->plan.choice.automatic || step == own_step) return SCREE_OK;
@@ -243,8 +244,8 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
 
 /* ---- the whole ---- */
 
-/* The part of the body at a place (the order of bodies is state, since sums follow it): the impulses of the last step are state too, since velocities are predicted from them; pair impulses look back
- * by two. */
+/* The part of the body at a place (the order of bodies is state, since sums follow it): the impulses of the last step
+ * are state too, since velocities are predicted from them; pair impulses look back by two. */
 struct body_part {
     int number, calm; /* asleep: ~calm */
     double x[3], v[3], l[3];

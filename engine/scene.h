@@ -57,8 +57,8 @@ struct scree_checkpoint {
     int hastiest, books_begun;
 };
 
-/* What the watch knows of the run so far: halvings, and the books at the start or the last halving and the largest energy of motion
- * and the least and most that was stored since then; J. */
+/* What the watch knows of the run so far: halvings, and the books at the start or the last halving and the largest
+ * energy of motion and the least and most that was stored since then; J. */
 struct scree_watched {
     int halvings, begun; /* the books are */
     double since;        /* when, s */
@@ -114,8 +114,8 @@ struct scree_scene {
 scree_status scree_step_plainly(struct scree_scene *scene, long steps);
 scree_status scree_step_watched(struct scree_scene *scene, long steps);
 
-/* By which share of what was turned over the books are off with watch = "halve": the shares kept at each halving, and that since the
- * last, added up. 0 if there is no memory to reckon it. */
+/* By which share of what was turned over the books are off with watch = "halve": the shares kept at each halving, and
+ * that since the last, added up. 0 if there is no memory to reckon it. */
 double scree_books_lack(scree_scene *scene);
 
 /* Definition of body k, which must not be baked yet, without its name. */

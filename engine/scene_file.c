@@ -201,8 +201,8 @@ enum { MOTION_COLUMNS = sizeof motion_columns / sizeof motion_columns[0] };
 /* Columns of the comb's lift in a servo table (solver/table.h), which `axis = "lift"` chooses. */
 static const char lift_prefix[] = "lift_";
 
-/* Tables of two axes: of the lift's columns those for `lift` count, or those for the stroke; the time is for both. The name without
- * the prefix; NULL if the column is the other axis's. */
+/* Tables of two axes: of the lift's columns those for `lift` count, or those for the stroke; the time is for both. The
+ * name without the prefix; NULL if the column is the other axis's. */
 static const char *motion_column(const char *name, int lift) {
     size_t length = strlen(lift_prefix);
     int lifts = strncmp(name, lift_prefix, length) == 0,
@@ -492,8 +492,8 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
     if (!r->status) scree_pass_on(r, scree_scene_add_body(into(r)->scene, &def, NULL), table);
 }
 
-/* The largest whole share of `every`, down to a thousandth, of which `end` is a whole multiple. 1e-9: the quotient of two numbers
- * given in decimals. */
+/* The largest whole share of `every`, down to a thousandth, of which `end` is a whole multiple. 1e-9: the quotient of
+ * two numbers given in decimals. */
 static double whole_share(double end, double every) {
     for (int parts = 1; parts < 1000; parts++) {
         double times = end / every * parts;

@@ -23,8 +23,8 @@ struct scree_run_request {
 };
 
 /* Read `size` bytes of TOML, change it by `assignments` (see scree_toml_set), define the scene by it and bake it.
- * `name` is the file's name for messages; tables are looked for beside it. `threads` > 0 overrides the file. The scene is
- * created here and destroyed on failure; the request is to be freed in any case. */
+ * `name` is the file's name for messages; tables are looked for beside it. `threads` > 0 overrides the file. The scene
+ * is created here and destroyed on failure; the request is to be freed in any case. */
 scree_status scree_read_scene(const char *text, size_t size, const char *name, const char *const *assignments,
                               int assignment_count, int threads, scree_scene **scene, struct scree_run_request *request,
                               scree_trouble *trouble);

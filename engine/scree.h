@@ -6,8 +6,8 @@
  * scenes can run in several threads at once, one thread a scene. Strings and arrays given in are copied.
  *
  * The state after a run is the same in every bit for any number of threads, with and without measurements, and
- * after save and restore; and on every processor: of the loops for its instructions the widest that it has is taken when a scene is
- * baked, or the one that the environment variable SCREE_ISA names (baseline, avx2, avx512). */
+ * after save and restore; and on every processor: of the loops for its instructions the widest that it has is taken
+ * when a scene is baked, or the one that the environment variable SCREE_ISA names (baseline, avx2, avx512). */
 #ifndef SCREE_H
 #define SCREE_H
 
@@ -38,22 +38,23 @@ typedef struct scree_gravity_def {
 } scree_gravity_def;
 
 typedef enum scree_integrator {
-    /* Baking chooses. With an accuracy: Verlet or pair impulses, whichever needs less time for it; else pair impulses if all that forces
-     * move are spheres, 1000 at most (few bodies whose every impact counts), and Verlet otherwise, or if bodies may sleep. */
+    /* Baking chooses. With an accuracy: Verlet or pair impulses, whichever needs less time for it; else pair impulses
+     * if all that forces move are spheres, 1000 at most (few bodies whose every impact counts), and Verlet otherwise,
+     * or if bodies may sleep. */
     SCREE_ANY_INTEGRATOR = 0,
     SCREE_VERLET,       /* position Verlet with predicted velocities; second order */
-    SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more digits
-                           from the same step for damped contacts, at several times the cost; second order */
+    SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more
+                           digits from the same step for damped contacts, at several times the cost; second order */
     SCREE_ADAPTIVE, /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */
 } scree_integrator;
 
 /* What becomes of a run that goes wrong (scree_scene_step says when). */
 typedef enum scree_watch {
     SCREE_WATCH_STOP = 0, /* it stops */
-    SCREE_WATCH_HALVE, /* it goes back to where it was last kept in memory (where scree_scene_step was called, or up to 1000
-                             steps before), halves the step and goes on; after 10 halvings it stops. The energy books are kept, and
-                             books that are off by 10 % of what was turned over are a reason too. Each call of scree_scene_step
-                             keeps the state, so that calls of single steps cost more. */
+    SCREE_WATCH_HALVE, /* it goes back to where it was last kept in memory (where scree_scene_step was called, or up to
+                          1000 steps before), halves the step and goes on; after 10 halvings it stops. The energy books
+                          are kept, and books that are off by 10 % of what was turned over are a reason too. Each call
+                          of scree_scene_step keeps the state, so that calls of single steps cost more. */
 } scree_watch;
 
 typedef struct scree_time_def {
@@ -61,20 +62,21 @@ typedef struct scree_time_def {
                      `divide` is a whole number of steps. SCREE_ADAPTIVE chooses its own steps within this one: 0 makes it
                      `divide`, the time between rows */
     double divide; /* s; 0: no such wish */
-    /* Instead of a step: the largest error of a rebound velocity (normal, and of the contact point sideways) of one impact of a
-     * sphere, in parts of the impact speed, over phases of first touch; 1e-6 to 0.1, 0: no such wish. Trial impacts at
-     * `speed` find the step for every contact that bodies of the scene can meet under. */
+    /* Instead of a step: the largest error of a rebound velocity (normal, and of the contact point sideways) of one
+     * impact of a sphere, in parts of the impact speed, over phases of first touch; 1e-6 to 0.1, 0: no such wish. Trial
+     * impacts at `speed` find the step for every contact that bodies of the scene can meet under. */
     double accuracy;
     scree_integrator integrator;
-    /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as many, with friction
-     * twice where needed. */
+    /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as
+     * many, with friction twice where needed. */
     int substeps;
     double speed;     /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
-    int no_flight; /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at once */
-    /* m/s, with SCREE_VERLET: free balls and boxes that have been slower for a while, and balanced, are left alone until somebody pushes
-     * them; accelerations up to 4 pi times this over the duration of the shortest contact (at most a 25th of gravity's) go
-     * unnoticed then. 0: none sleeps */
+    int no_flight;    /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at
+                         once */
+    /* m/s, with SCREE_VERLET: free balls and boxes that have been slower for a while, and balanced, are left alone
+     * until somebody pushes them; accelerations up to 4 pi times this over the duration of the shortest contact (at
+     * most a 25th of gravity's) go unnoticed then. 0: none sleeps */
     double sleep;
     int force; /* accept a step beyond the stability limit */
     scree_watch watch;
@@ -123,10 +125,10 @@ typedef struct scree_generate_def {
     double velocity[3];    /* m/s */
 } scree_generate_def;
 
-/* The box in which bodies start (their centres), and the axes along which it repeats itself for ever: what leaves on one side
- * comes in on the other, and spheres near one side meet the images of those near the other. Only spheres and planes (along such an
- * axis) may be in a periodic scene. They may start up to half a period beyond such a side. Positions are reported inside of the box;
- * velocities are as they are. */
+/* The box in which bodies start (their centres), and the axes along which it repeats itself for ever: what leaves on
+ * one side comes in on the other, and spheres near one side meet the images of those near the other. Only spheres and
+ * planes (along such an axis) may be in a periodic scene. They may start up to half a period beyond such a side.
+ * Positions are reported inside of the box; velocities are as they are. */
 typedef struct scree_domain_def {
     double min[3], max[3]; /* m */
     int periodic[3];       /* along x, y, z; at least two of the largest diameters long then */
@@ -145,8 +147,8 @@ SCREE_API scree_status scree_scene_add_material(scree_scene *scene, const scree_
 SCREE_API scree_status scree_scene_add_motion(scree_scene *scene, const scree_motion_def *def, int *index);
 SCREE_API scree_status scree_scene_add_contact(scree_scene *scene, const scree_contact_def *def);
 SCREE_API scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index);
-/* `first` (may be NULL) receives the index of the first of them; the others follow. SCREE_BAD_INPUT for a sphere that can't be:
- * the trouble record's `body` tells which, counted from 0; no sphere is added then. */
+/* `first` (may be NULL) receives the index of the first of them; the others follow. SCREE_BAD_INPUT for a sphere that
+ * can't be: the trouble record's `body` tells which, counted from 0; no sphere is added then. */
 SCREE_API scree_status scree_scene_add_spheres(scree_scene *scene, const scree_spheres_def *def, int *first);
 /* SCREE_BAD_INPUT: they don't fit into the box without overlaps; lattice points of free spheres closer than a diameter;
  * SCREE_NO_MEMORY: more than the machine has memory for. */
@@ -162,7 +164,8 @@ SCREE_API int scree_scene_find_body(const scree_scene *scene, const char *name);
 
 /* Check the whole scene and make the plan; after it definitions can't change. SCREE_BAD_INPUT: bodies whose materials
  * could meet without a contact between them, bodies overlapping by more than half a half-width, a step beyond the
- * stability limit of the stiffest contact, an accuracy that steps can't reach. A scene whose baking has failed can only be destroyed. */
+ * stability limit of the stiffest contact, an accuracy that steps can't reach. A scene whose baking has failed can only
+ * be destroyed. */
 SCREE_API scree_status scree_scene_bake(scree_scene *scene);
 
 /* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */
@@ -171,20 +174,22 @@ SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
 /* How many bodies sleep. */
 SCREE_API int scree_scene_asleep(const scree_scene *scene);
 
-/* Advance by `steps` >= 0 steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body faster
- * than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was then, positions to their last digit
- * but one. If the watch has halved the step meanwhile, the time reached is the same, after as many more steps. */
+/* Advance by `steps` >= 0 steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body
+ * faster than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was
+ * then, positions to their last digit but one. If the watch has halved the step meanwhile, the time reached is the
+ * same, after as many more steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
 
-/* A halving of the step: when the run went wrong and to where it went back, s; the new step, s; and the cause in words. */
+/* A halving of the step: when the run went wrong and to where it went back, s; the new step, s; and the cause in
+ * words. */
 typedef struct scree_halving {
     double failed, back, step;
     scree_trouble cause;
 } scree_halving;
 enum { SCREE_HALVINGS = 10 };
 
-/* Halvings so far, those before a restored state among them; and each of them (0 … halvings - 1; all zero for those; NULL: there is
- * none). Belongs to the scene. */
+/* Halvings so far, those before a restored state among them; and each of them (0 … halvings - 1; all zero for those;
+ * NULL: there is none). Belongs to the scene. */
 SCREE_API int scree_scene_halvings(const scree_scene *scene);
 SCREE_API const scree_halving *scree_scene_halving(const scree_scene *scene, int index);
 
@@ -204,8 +209,8 @@ typedef struct scree_name {
     char text[SCREE_NAME_LENGTH + 1];
 } scree_name;
 
-/* State, name, shape, material's name (it belongs to the scene), mass (kg; 0: none) and mobility (1: free or driven in some direction) of
- * body `index` (0 … count - 1; the name of others is empty). */
+/* State, name, shape, material's name (it belongs to the scene), mass (kg; 0: none) and mobility (1: free or driven in
+ * some direction) of body `index` (0 … count - 1; the name of others is empty). */
 SCREE_API scree_body_state scree_scene_body(const scree_scene *scene, int index);
 SCREE_API scree_name scree_scene_body_name(const scree_scene *scene, int index);
 SCREE_API scree_shape scree_scene_body_shape(const scree_scene *scene, int index);
@@ -229,7 +234,7 @@ SCREE_API scree_status scree_scene_energy(scree_scene *scene, scree_energy *ener
 typedef struct scree_contact_state {
     int ball, host; /* bodies: the ball (a sphere or the corner of a box) and its partner */
     int corner;     /* 0 … 7: bits for +x, +y, +z; -1: a sphere; 8 + 12 i + j: edge i of the ball on edge j of
-                                      * its partner, 4 along each axis, bits for the signs along the two that follow it */
+                     * its partner, 4 along each axis, bits for the signs along the two that follow it */
     double point[3], normal[3];       /* normal from the host to the ball */
     double overlap, closing, slip[3]; /* m, m/s, m/s */
     double normal_force, friction[3]; /* N, on the ball */
@@ -249,8 +254,9 @@ SCREE_API double scree_scene_deepest(const scree_scene *scene, int *ball, int *h
  * 1 friction overshoots within a step and the sliding velocity chatters about zero. 0 without such laws. */
 SCREE_API double scree_scene_steepest(const scree_scene *scene, int *ball, int *host);
 
-/* What SCREE_ADAPTIVE has done so far: steps within the scene's own ones, those that were tried in vain, events (touch, end of contact, stick
- * to slip, changes of a law), evaluations of all forces, flights in closed form. Zero with other integrators. */
+/* What SCREE_ADAPTIVE has done so far: steps within the scene's own ones, those that were tried in vain, events (touch,
+ * end of contact, stick to slip, changes of a law), evaluations of all forces, flights in closed form. Zero with other
+ * integrators. */
 typedef struct scree_effort {
     long steps, rejected, events, evaluations, flights;
 } scree_effort;
@@ -260,9 +266,9 @@ SCREE_API scree_effort scree_scene_effort(const scree_scene *scene);
 SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);
 
 /* Write the state to a file (`name` for messages), and read it into a baked scene of the same definition, which then
- * goes on as if never interrupted: an automatic step is taken from the state; energy books that the state doesn't hold begin
- * with it. SCREE_NO_FILE; SCREE_BAD_INPUT for a file of another scene (the message says what differs) or a damaged one (the
- * scene stays as it was). */
+ * goes on as if never interrupted: an automatic step is taken from the state; energy books that the state doesn't hold
+ * begin with it. SCREE_NO_FILE; SCREE_BAD_INPUT for a file of another scene (the message says what differs) or a
+ * damaged one (the scene stays as it was). */
 SCREE_API scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name);
 SCREE_API scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *name);
 

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Softness of a box under springs at the four corners of a face, 1/kg summed over the corners: the largest eigenvalue of
- * its motions, which is at least that of one corner alone. Along the normal the box heaves, pitches and rolls, sideways it
- * slides (and tilts with it) or yaws; by symmetry these don't mix, so the largest of them counts. */
+/* Softness of a box under springs at the four corners of a face, 1/kg summed over the corners: the largest eigenvalue
+ * of its motions, which is at least that of one corner alone. Along the normal the box heaves, pitches and rolls,
+ * sideways it slides (and tilts with it) or yaws; by symmetry these don't mix, so the largest of them counts. */
 static double box_softness(const struct scree_bodies *bodies, int k, int tangential) {
     const struct scree_inertia *inertia = &scree_kind_of(bodies, k)->inertia;
     const double *half = scree_attitude_of(bodies, k)->half, *w = inertia->inverse_moments;

@@ -60,8 +60,8 @@ static scree_status renew_list(scree_scene *scene, const struct scree_bodies *no
     return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
-/* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state, rounding
- * included, depends on neither lists nor breaks. In between they may be outside. */
+/* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state,
+ * rounding included, depends on neither lists nor breaks. In between they may be outside. */
 enum { STEPS_TO_RETURN = 512 };
 
 static scree_status put_back(scree_scene *scene) {
@@ -135,7 +135,8 @@ static scree_status keep_order(scree_scene *scene) {
     return scree_contacts_keep_order(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
-/* Bring the records to the middle of the step; members of slabs that are there already stay. Nonzero: lists must be looked at. */
+/* Bring the records to the middle of the step; members of slabs that are there already stay. Nonzero: lists must be
+ * looked at. */
 static int look_ahead(scree_scene *scene, const double gravity[3]) {
     struct scree_bodies *bodies = &scene->bodies;
     int count = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
@@ -144,8 +145,8 @@ static int look_ahead(scree_scene *scene, const double gravity[3]) {
                                                   0.5 * scene->contacts.skin);
 }
 
-/* Contacts, and then bodies: members of slabs move on while they are at hand, as far as the middle of the next step if there is
- * one (`more`). */
+/* Contacts, and then bodies: members of slabs move on while they are at hand, as far as the middle of the next step if
+ * there is one (`more`). */
 static void act_and_advance(scree_scene *scene, const double gravity[3], int more) {
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step;
@@ -160,8 +161,8 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
     scree_bodies_advance_some(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
 }
 
-/* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than after a break.
- * Nor those that may fall asleep where they are, or be put in the order of their positions. */
+/* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than
+ * after a break. Nor those that may fall asleep where they are, or be put in the order of their positions. */
 static int may_hurry(const scree_scene *scene) {
     long next = scene->steps + 1;
     return next % STEPS_TO_ORDER != 0 && !(scene->bodies.periodic && next % STEPS_TO_RETURN == 0) &&

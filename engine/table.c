@@ -43,7 +43,8 @@ static int is_comment(const char *line) {
     return *line == '#' || *line == '\0';
 }
 
-/* Take the quotes off a cell that is quoted as a whole, in place (RFC 4180); where it ends, NULL if it isn't quoted so. */
+/* Take the quotes off a cell that is quoted as a whole, in place (RFC 4180); where it ends, NULL if it isn't quoted
+ * so. */
 static char *unquote(char *cell) {
     char *to = cell, *from = cell + 1;
     if (*cell != '"') return NULL;

@@ -1,5 +1,5 @@
-/* Tables of numbers in CSV: a header line that names the columns, then rows of decimal numbers. A byte order mark, quotes
- * around a cell, lines that begin with # and empty lines are skipped. */
+/* Tables of numbers in CSV: a header line that names the columns, then rows of decimal numbers. A byte order mark,
+ * quotes around a cell, lines that begin with # and empty lines are skipped. */
 #ifndef SCREE_ENGINE_TABLE_H
 #define SCREE_ENGINE_TABLE_H
 
@@ -21,8 +21,8 @@ struct scree_table {
     int *line;                           /* of each row; NULL unless there may be words */
 };
 
-/* Parse `size` bytes of `text` (followed by a NUL; changed). `rising` names a column whose numbers must increase, NULL: none.
- * SCREE_BAD_INPUT names file, line and column of a bad cell. */
+/* Parse `size` bytes of `text` (followed by a NUL; changed). `rising` names a column whose numbers must increase, NULL:
+ * none. SCREE_BAD_INPUT names file, line and column of a bad cell. */
 scree_status scree_table_parse(char *text, size_t size, const char *file, const char *rising, struct scree_table *table,
                                scree_trouble *trouble);
 

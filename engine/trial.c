@@ -14,8 +14,8 @@ static const double coarsest = 10.3, root2 = 1.41421356237309504880;
 /* The largest error over all phases of touch is above that over the eight tried ones. */
 static const double margin = 1.25;
 
-/* The tangential reference: pair impulses of four substeps. They are of second order there, so that a step twice as long changes
- * the result by three times its error. */
+/* The tangential reference: pair impulses of four substeps. They are of second order there, so that a step twice as
+ * long changes the result by three times its error. */
 static const double reference_steps = 2000.0;
 enum { REFERENCE_SUBSTEPS = 4 };
 
@@ -64,8 +64,8 @@ static scree_status define(const struct scree_trial *trial, const struct throw *
     return SCREE_OK;
 }
 
-/* The sphere stays within sight from beginning to end, and may be pressed in as deep as it will: what limits the scene proper
- * is watched there. */
+/* The sphere stays within sight from beginning to end, and may be pressed in as deep as it will: what limits the scene
+ * proper is watched there. */
 static scree_status widen(scree_scene *scene, double way) {
     scene->contacts.skin = fmax(scene->contacts.skin, 10.0 * way);
     scene->contacts.chosen_skin = scene->contacts.skin;
@@ -140,8 +140,8 @@ scree_status scree_trial_prepare(struct scree_trial *trial, scree_trouble *troub
 
 /* ---- the search ---- */
 
-/* Phase and number of steps per contact of a throw: both go through a step, in different order, so that touch and parting fall
- * everywhere. */
+/* Phase and number of steps per contact of a throw: both go through a step, in different order, so that touch and
+ * parting fall everywhere. */
 static struct throw throw_of(const struct scree_trial *trial, scree_integrator integrator, int substeps,
                              double per_contact, int number) {
     double phase = (number + 0.5) / PHASES, shift = 0.6180339887498949 * (number + 0.5);

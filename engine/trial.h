@@ -1,7 +1,8 @@
 /* Trial impacts: what step a contact needs so that velocities after an impact are right within a wanted accuracy.
  *
- * A sphere is thrown at a fixed plane under the laws of a contact, in a small scene of its own that the engine steps as it
- * steps any other; what it leaves with is compared with a reference, over steps of a ladder and phases of first touch. */
+ * A sphere is thrown at a fixed plane under the laws of a contact, in a small scene of its own that the engine steps as
+ * it steps any other; what it leaves with is compared with a reference, over steps of a ladder and phases of first
+ * touch. */
 #ifndef SCREE_ENGINE_TRIAL_H
 #define SCREE_ENGINE_TRIAL_H
 
@@ -37,8 +38,8 @@ struct scree_trial_result {
 /* Find out how the impact ends. SCREE_NO_MEMORY. */
 scree_status scree_trial_prepare(struct scree_trial *trial, scree_trouble *trouble);
 
-/* Search the longest step with which every trial ends within `accuracy` (in parts of the impact speed), and still does with the
- * next shorter one. For a prepared trial that doesn't stay. SCREE_NO_MEMORY. */
+/* Search the longest step with which every trial ends within `accuracy` (in parts of the impact speed), and still does
+ * with the next shorter one. For a prepared trial that doesn't stay. SCREE_NO_MEMORY. */
 scree_status scree_trial_search(const struct scree_trial *trial, scree_integrator integrator, int substeps,
                                 double accuracy, struct scree_trial_result *result, scree_trouble *trouble);
 

@@ -1,8 +1,9 @@
-/* The watch that halves the step: a run that goes wrong goes back to where it was last kept in memory, and on with half the step.
+/* The watch that halves the step: a run that goes wrong goes back to where it was last kept in memory, and on with half
+ * the step.
  *
- * The state is kept where a call of scree_scene_step begins, so that nothing that a caller has seen is taken back, and every so
- * many steps. Times are whole numbers of steps, and half a step is exact in binary: twice the number of half the step is the same
- * instant in every bit. */
+ * The state is kept where a call of scree_scene_step begins, so that nothing that a caller has seen is taken back, and
+ * every so many steps. Times are whole numbers of steps, and half a step is exact in binary: twice the number of half
+ * the step is the same instant in every bit. */
 #include "engine/scene.h"
 
 #include <math.h>
@@ -60,8 +61,8 @@ static scree_status begin_watch(scree_scene *scene) {
     return SCREE_OK;
 }
 
-/* What was turned over since: the most that moved, or was stored and released, what contacts took and drives gave. (What is stored
- * all the time, as in a load at rest, isn't turned over.) */
+/* What was turned over since: the most that moved, or was stored and released, what contacts took and drives gave.
+ * (What is stored all the time, as in a load at rest, isn't turned over.) */
 static double turned_over(struct scree_watched *watched, const scree_energy *energy) {
     watched->motion = fmax(watched->motion, moving(energy));
     watched->least_stored = fmin(watched->least_stored, energy->stored);
@@ -70,8 +71,8 @@ static double turned_over(struct scree_watched *watched, const scree_energy *ene
            fabs(energy->driven - watched->driven);
 }
 
-/* Energy that is too little to judge by: rounding, and a millionth of the fastest impact's, since what was turned over since a
- * first touch begins with nothing. */
+/* Energy that is too little to judge by: rounding, and a millionth of the fastest impact's, since what was turned over
+ * since a first touch begins with nothing. */
 static double too_little(const scree_scene *scene, const scree_energy *energy) {
     const struct scree_step_choice *choice = &scene->plan.choice;
     const int *pair = choice->shortest_pair;
@@ -97,7 +98,8 @@ double scree_books_lack(scree_scene *scene) {
     return scene->watched.lacking + gap_of(scene, &energy);
 }
 
-/* SCREE_FAILED if the books are off, since the start or the last halving, by too large a share of what was turned over. */
+/* SCREE_FAILED if the books are off, since the start or the last halving, by too large a share of what was turned
+ * over. */
 static scree_status check_books(scree_scene *scene) {
     scree_energy energy;
     scree_status status = scree_scene_energy(scene, &energy);
@@ -126,8 +128,8 @@ static scree_status keep(scree_scene *scene) {
     return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory to keep the state");
 }
 
-/* The impulses of two steps that end now, J and before them K, as they would have been of half the step: forces lie on a line
- * through the middles of the steps. */
+/* The impulses of two steps that end now, J and before them K, as they would have been of half the step: forces lie on
+ * a line through the middles of the steps. */
 static void halve_past(double *last, double *before) {
     double bend = 0.25 * (*last - *before), now = *last;
     *last = 0.5 * (now + bend);
@@ -195,8 +197,9 @@ static scree_status give_up(scree_scene *scene) {
     return SCREE_FAILED;
 }
 
-/* Whoever begins at rest under gravity feels the forces that balance it a step late, and keeps a part of what it gives in a step. That
- * isn't the step's fault: the books are looked at from there on. What came in beyond that counts from the start. */
+/* Whoever begins at rest under gravity feels the forces that balance it a step late, and keeps a part of what it gives
+ * in a step. That isn't the step's fault: the books are looked at from there on. What came in beyond that counts from
+ * the start. */
 static scree_status begin_at_start(scree_scene *scene) {
     double kick2 = scene->step * scene->step * vec_norm2(vec_from(scene->gravity.vector)), mass = 0.0;
     for (int k = 0; k < scene->bodies.count; k++)

@@ -1,5 +1,5 @@
-/* The conventional motion of a comb and a rigid product: the comb rises from rest to rest over the whole stroke, pushes the
- * product, and loses it where it brakes harder than friction does. Closed forms, apart from one root. */
+/* The conventional motion of a comb and a rigid product: the comb rises from rest to rest over the whole stroke, pushes
+ * the product, and loses it where it brakes harder than friction does. Closed forms, apart from one root. */
 #ifndef SCREE_SOLVER_CONVENTIONAL_H
 #define SCREE_SOLVER_CONVENTIONAL_H
 

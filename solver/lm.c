@@ -72,8 +72,9 @@ static int shifted(struct solver *s, int j, double value, double *to) {
     return s->problem->residual(s->problem->context, s->trial_x, to) != 0 || !isfinite(scree_norm(s->m, to));
 }
 
-/* Column j by differences: steps that stay within the bounds, and on the other side if the residual isn't finite on one. A side
- * with less than half of the step is used only if the other has no more; an unknown without any room has a zero column. */
+/* Column j by differences: steps that stay within the bounds, and on the other side if the residual isn't finite on
+ * one. A side with less than half of the step is used only if the other has no more; an unknown without any room has a
+ * zero column. */
 static int difference(struct solver *s, int j, double *column) {
     double size = fmax(fabs(s->x[j]), s->options.typical ? fabs(s->options.typical[j]) : 0.0);
     double h = (s->options.central ? 6.0e-6 : 1.5e-8) * (size > 0.0 ? size : 1.0);
@@ -132,7 +133,8 @@ static double stationarity(const struct solver *s) {
 
 /* ---- steps ---- */
 
-/* Factor the columns of the unknowns that aren't held, with right-hand side -Q^T `residual`; in place if all are free. */
+/* Factor the columns of the unknowns that aren't held, with right-hand side -Q^T `residual`; in place if all are
+ * free. */
 static void factor(struct solver *s, const double *residual) {
     s->free = 0;
     for (int j = 0; j < s->n; j++) {
@@ -180,7 +182,8 @@ static void trust_step(struct solver *s, double radius) {
     for (int k = 0; k < s->free; k++) s->p[s->index[k]] = s->free_p[k];
 }
 
-/* As trust_step, with bounds: unknowns that the step would carry beyond a bound go there and are held for the rest of it. */
+/* As trust_step, with bounds: unknowns that the step would carry beyond a bound go there and are held for the rest of
+ * it. */
 static void bounded_step(struct solver *s) {
     char held[SCREE_LM_UNKNOWNS];
     memcpy(held, s->held, (size_t)s->n);
@@ -228,8 +231,8 @@ static double image(struct solver *s) {
     return scree_norm(s->n, s->rest);
 }
 
-/* Second-order correction of the step along its own direction (Transtrum & Sethna, arXiv:1201.5885): a = -J^+ r_vv/2, with the second
- * directional derivative r_vv by a difference; taken only if it is small beside the step. */
+/* Second-order correction of the step along its own direction (Transtrum & Sethna, arXiv:1201.5885): a = -J^+ r_vv/2,
+ * with the second directional derivative r_vv by a difference; taken only if it is small beside the step. */
 static void accelerate(struct solver *s) {
     const double h = 0.1, largest = 0.375; /* |a| <= 0.75 |p|/2 */
     if (s->outcome.residual_calls + 2 > s->options.evaluations) return;
@@ -254,7 +257,8 @@ static void take_trial(struct solver *s, double norm) {
     s->norm = norm;
 }
 
-/* Trust radius and par after a trial (More 1978, section 5): `actual` and `promised` reductions, `along` = g.p/|r|^2. */
+/* Trust radius and par after a trial (More 1978, section 5): `actual` and `promised` reductions, `along` =
+ * g.p/|r|^2. */
 static void adapt_radius(struct solver *s, double actual, double promised, double along, double trial_norm) {
     double ratio = promised > 0.0 ? actual / promised : 0.0;
     if (ratio <= 0.25) {
@@ -312,8 +316,8 @@ static int report(struct solver *s) {
     return s->options.callback(s->options.callback_context, &progress);
 }
 
-/* Scales: the largest norm that each column has had. A column that has been zero so far counts as if its unknown could change the
- * residual by its own length; that only takes part in |D x|, for the unknown doesn't move. */
+/* Scales: the largest norm that each column has had. A column that has been zero so far counts as if its unknown could
+ * change the residual by its own length; that only takes part in |D x|, for the unknown doesn't move. */
 static void rescale(struct solver *s, int first) {
     for (int j = 0; j < s->n; j++) {
         int seen = !first && s->seen[j];
@@ -372,10 +376,11 @@ static double gauss_newton(struct solver *s) {
     return scaled(s, s->p);
 }
 
-/* Whether the point that a test of convergence has accepted is one. The tests see only steps within the trust radius; here the
- * whole Gauss-Newton step decides: at a minimum either it promises no reduction to speak of, or it is short, the residual
- * being rounding. Elsewhere the iteration is stuck: in a canyon too curved for the radius, or where the Jacobian is wrong.
- * And an unknown that has run to where it changes nothing any more, though it did before, has run away. */
+/* Whether the point that a test of convergence has accepted is one. The tests see only steps within the trust radius;
+ * here the whole Gauss-Newton step decides: at a minimum either it promises no reduction to speak of, or it is short,
+ * the residual being rounding. Elsewhere the iteration is stuck: in a canyon too curved for the radius, or where the
+ * Jacobian is wrong. And an unknown that has run to where it changes nothing any more, though it did before, has run
+ * away. */
 static scree_lm_reason judge(struct solver *s, scree_lm_reason reason) {
     if (s->norm == 0.0) return reason;
     for (int j = 0; j < s->n; j++) {
@@ -393,8 +398,8 @@ static scree_lm_reason judge(struct solver *s, scree_lm_reason reason) {
     return promised * promised <= 1e-5 || length <= 1e-6 ? reason : SCREE_LM_STUCK;
 }
 
-/* Broyden's update (Math. Comput. 19 (1965) 577) of the inverse H of the derivative of -p, in scaled unknowns, from the change
- * `moved` of x and that of p since the step before. */
+/* Broyden's update (Math. Comput. 19 (1965) 577) of the inverse H of the derivative of -p, in scaled unknowns, from the
+ * change `moved` of x and that of p since the step before. */
 static void learn(struct solver *s, const double *moved, const double *p_before) {
     int n = s->n;
     double *h = s->inverse, *hy = s->scratch, *sh = s->scratch + n, shy = 0.0;
@@ -412,9 +417,10 @@ static void learn(struct solver *s, const double *moved, const double *p_before)
         for (int k = 0; k < n; k++) h[i * n + k] += unit * (s->d[i] * moved[i] - hy[i]) * sh[k] / shy;
 }
 
-/* Drive the Gauss-Newton step to zero. F can't judge here: near the minimum it is flat to within rounding while x still has
- * half of its digits to gain. So the length of the step judges: x is kept where it is shortest. With a residual that doesn't
- * vanish the bare steps converge linearly, slowly where the model is strongly curved; Broyden's updates mend that. */
+/* Drive the Gauss-Newton step to zero. F can't judge here: near the minimum it is flat to within rounding while x still
+ * has half of its digits to gain. So the length of the step judges: x is kept where it is shortest. With a residual
+ * that doesn't vanish the bare steps converge linearly, slowly where the model is strongly curved; Broyden's updates
+ * mend that. */
 static void polish(struct solver *s) {
     int n = s->n;
     double *best = s->keep, *moved = best + n, *p_before = moved + n, shortest = HUGE_VAL, norm_start = s->norm;
@@ -599,7 +605,8 @@ static void invert_triangle(int n, double *r) {
     }
 }
 
-/* Covariance of the free unknowns that the data determine, from the triangle whose leading `rank` columns are regular. */
+/* Covariance of the free unknowns that the data determine, from the triangle whose leading `rank` columns are
+ * regular. */
 static void fill_covariance(struct solver *s, int rank, double *covariance) {
     int n = s->n, f = s->free;
     double *inverse = s->scratch, deviation = s->m > rank ? s->norm / sqrt(s->m - rank) : 0.0;
@@ -622,8 +629,9 @@ static void undetermined(const struct solver *s, int place, double *covariance) 
     covariance[j * (s->n + 1)] = HUGE_VAL;
 }
 
-/* Each column beyond the rank depends on the ones before: a change of its unknown is undone by changes z of theirs, R z = its
- * column. All unknowns that take part in such a change can't be told; a part of 1e-8 (of the lengths of the columns) is rounding. */
+/* Each column beyond the rank depends on the ones before: a change of its unknown is undone by changes z of theirs, R z
+ * = its column. All unknowns that take part in such a change can't be told; a part of 1e-8 (of the lengths of the
+ * columns) is rounding. */
 static void flag_undetermined(struct solver *s, int rank, double *covariance) {
     int f = s->free;
     double *z = s->scratch;

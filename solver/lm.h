@@ -1,16 +1,17 @@
-/* Nonlinear least squares: minimise F(x) = |r(x)|^2/2 for small dense problems, by Levenberg and Marquardt's method in the
- * trust-region form of More (Numerical Analysis, Lecture Notes in Mathematics 630, 1978, p. 105), with bounds by an active set
- * and a Gauss-Newton polish.
+/* Nonlinear least squares: minimise F(x) = |r(x)|^2/2 for small dense problems, by Levenberg and Marquardt's method in
+ * the trust-region form of More (Numerical Analysis, Lecture Notes in Mathematics 630, 1978, p. 105), with bounds by an
+ * active set and a Gauss-Newton polish.
  *
  * The contract. The caller owns all memory: x, the workspace, the problem and its context; nothing is allocated and
- * nothing is kept between calls, so solves may run in many threads. Every outcome has a reason: `converged` outcomes are
- * told apart from `stuck` ones, and a residual that isn't finite is never taken for progress. */
+ * nothing is kept between calls, so solves may run in many threads. Every outcome has a reason: `converged` outcomes
+ * are told apart from `stuck` ones, and a residual that isn't finite is never taken for progress. */
 #ifndef SCREE_SOLVER_LM_H
 #define SCREE_SOLVER_LM_H
 
 #include <stddef.h>
 
-/* Residuals at x into r (`residuals` entries). Nonzero: x can't be evaluated, which counts like a result that isn't finite. */
+/* Residuals at x into r (`residuals` entries). Nonzero: x can't be evaluated, which counts like a result that isn't
+ * finite. */
 typedef int scree_lm_residual(void *context, const double *x, double *r);
 
 /* Jacobian at x by columns: column j (d r/d x_j, `residuals` entries) at jacobian + j * residuals. Nonzero as above. */
@@ -52,8 +53,9 @@ typedef struct scree_lm_options {
     double cosine;    /* … when the largest cosine is below it; 1e-14 */
     double first;     /* initial radius in parts of |D x0|, of |r| where x0 = 0; 0.28, chosen on three collections of
                           test problems: of NIST's 54 runs values from 0.1 to 1 solve 50 to 54 */
-    int evaluations; /* most calls of the residual, all counted (differences that fail on one side may add some); 200 (n + 1) */
-    int central; /* central instead of forward differences */
+    int evaluations; /* most calls of the residual, all counted (differences that fail on one side may add some); 200 (n
+                        + 1) */
+    int central;     /* central instead of forward differences */
     const double *
         typical; /* sizes of the unknowns, for difference steps where x_j is smaller; NULL: |x_j|, or 1 where x_j = 0 */
     int no_polish;    /* leave out the Gauss-Newton steps at the end */
@@ -68,7 +70,8 @@ typedef enum scree_lm_reason {
     SCREE_LM_BY_REDUCTION, /* converged: F can't be reduced further by a relative amount that matters */
     SCREE_LM_BY_RADIUS,    /* converged: the steps have become small, and the residual is orthogonal to the Jacobian */
     SCREE_LM_BY_COSINE,    /* converged: the residual is orthogonal to the free columns of the Jacobian, or vanishes */
-    SCREE_LM_STUCK, /* not converged: steps have become small though the gradient hasn't (noise, wrong Jacobian, a cliff) */
+    SCREE_LM_STUCK,       /* not converged: steps have become small though the gradient hasn't (noise, wrong Jacobian, a
+                             cliff) */
     SCREE_LM_RUN_AWAY,    /* not converged: an unknown has run to where it has no influence any more */
     SCREE_LM_EVALUATIONS, /* not converged: the evaluations are used up */
     SCREE_LM_STOPPED,     /* by the callback */
@@ -100,10 +103,11 @@ scree_lm_outcome scree_lm_solve(const scree_lm_problem *problem, const scree_lm_
 /* "converged: …" for people. */
 const char *scree_lm_text(scree_lm_reason reason);
 
-/* Covariance of x (n x n, row by row) at a solution: s^2 (J^T J)^-1 with s^2 = |r|^2/(m - rank), for the free unknowns; rows and
- * columns of unknowns held by a bound are zero. An unknown that the data don't determine, alone or only together with others, has
- * HUGE_VAL on the diagonal and zeros beside it. `free` (n entries, may be NULL) receives 1 for unknowns that are free. Returns the
- * rank, -1 for bad input or if the residual or Jacobian isn't finite there. The loss of the options counts. */
+/* Covariance of x (n x n, row by row) at a solution: s^2 (J^T J)^-1 with s^2 = |r|^2/(m - rank), for the free unknowns;
+ * rows and columns of unknowns held by a bound are zero. An unknown that the data don't determine, alone or only
+ * together with others, has HUGE_VAL on the diagonal and zeros beside it. `free` (n entries, may be NULL) receives 1
+ * for unknowns that are free. Returns the rank, -1 for bad input or if the residual or Jacobian isn't finite there. The
+ * loss of the options counts. */
 int scree_lm_covariance(const scree_lm_problem *problem, const scree_lm_options *options, const double *x,
                         double *covariance, int *free, void *workspace);
 

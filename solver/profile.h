@@ -1,4 +1,5 @@
-/* Motion profiles: segments whose position is a polynomial in their own normalised time u = 0 … 1, joined end to end. */
+/* Motion profiles: segments whose position is a polynomial in their own normalised time u = 0 … 1, joined end to
+ * end. */
 #ifndef SCREE_SOLVER_PROFILE_H
 #define SCREE_SOLVER_PROFILE_H
 
@@ -26,8 +27,8 @@ struct scree_extrema {
     struct scree_kinematics least, largest; /* x too */
 };
 
-/* The segment whose velocity is the quintic in t with the given velocity, acceleration and jerk at both ends; from position x
- * (Troll et al., Adv. Mech. Eng. (2018), doi 10.1177/1687814018754953: six parameters, jerk continuous). */
+/* The segment whose velocity is the quintic in t with the given velocity, acceleration and jerk at both ends; from
+ * position x (Troll et al., Adv. Mech. Eng. (2018), doi 10.1177/1687814018754953: six parameters, jerk continuous). */
 struct scree_segment scree_velocity_segment(double duration, double x, struct scree_kinematics from,
                                             struct scree_kinematics to);
 
@@ -74,8 +75,9 @@ double scree_extrema_jerk(const struct scree_extrema *extrema);
 /* Value of the polynomial c[0] + … + c[degree] u^degree. */
 double scree_polynomial(int degree, const double *c, double u);
 
-/* Real roots in (low, high) of the polynomial with coefficients c[0 … degree], degree <= 6, ascending, into `roots` (degree
- * entries), in rising order; returns how many. Roots are found between those of the derivative, by bisection to rounding; double roots may be missed. */
+/* Real roots in (low, high) of the polynomial with coefficients c[0 … degree], degree <= 6, ascending, into `roots`
+ * (degree entries), in rising order; returns how many. Roots are found between those of the derivative, by bisection to
+ * rounding; double roots may be missed. */
 int scree_polynomial_roots(int degree, const double *c, double low, double high, double *roots);
 
 #endif

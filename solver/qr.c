@@ -81,7 +81,8 @@ static void bring_largest(int rows, int columns, int j, double *a, int *pivot, d
 }
 
 void scree_qr_factor(int rows, int columns, double *a, int *pivot, double *diagonal, double *norms, double *work) {
-    /* Squares of what is left of each column's norm, and of what it was when last computed afresh, in parts of the largest. */
+    /* Squares of what is left of each column's norm, and of what it was when last computed afresh, in parts of the
+     * largest. */
     double *rest = diagonal, *reference = work, largest = 0.0;
     for (int j = 0; j < columns; j++) {
         pivot[j] = j;
@@ -162,8 +163,8 @@ static double far_hypotenuse(double a, double b) {
     return sqrt((unit * a) * (unit * a) + (unit * b) * (unit * b)) / unit;
 }
 
-/* Rotate the row (0 … 0 t 0 … 0), t at place j, into the triangle `s` with right-hand side `b` (Givens rotations). The row's own
- * right-hand side is 0; its entries beyond j fill in `row`. */
+/* Rotate the row (0 … 0 t 0 … 0), t at place j, into the triangle `s` with right-hand side `b` (Givens rotations). The
+ * row's own right-hand side is 0; its entries beyond j fill in `row`. */
 static void rotate_in(int n, int j, double t, double *s, double *b, double *row) {
     double rhs = 0.0;
     for (int k = j; k < n; k++) row[k] = 0.0;
@@ -223,7 +224,8 @@ double scree_qr_trust_step(int n, const double *r, const int *pivot, const doubl
         *par = 0.0;
         return norm;
     }
-    /* Lower bound from Newton's step at par = 0 if R is regular, upper bound from the gradient (More 1978, section 5). */
+    /* Lower bound from Newton's step at par = 0 if R is regular, upper bound from the gradient (More 1978, section
+     * 5). */
     double low = 0.0;
     if (rank == n) {
         for (int j = 0; j < n; j++) w[j] = d[pivot[j]] * (dp[pivot[j]] / norm);

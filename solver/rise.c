@@ -17,8 +17,8 @@ static struct scree_kinematics cycloid(double u) {
     return (struct scree_kinematics){u - s / (2.0 * pi), 1.0 - c, 2.0 * pi * s, 4.0 * pi * pi * c};
 }
 
-/* E. H. Schmidt, Continuous cam curves, Machine Design 32 (1960) no. 1, 127-132; the formulas as in Rothbart, Cam Design Handbook
- * (2004), p. 75: acceleration peak sin(4 pi u) up to u = 1/8, peak cos(4 pi u/3 - pi/6) up to 7/8, with
+/* E. H. Schmidt, Continuous cam curves, Machine Design 32 (1960) no. 1, 127-132; the formulas as in Rothbart, Cam
+ * Design Handbook (2004), p. 75: acceleration peak sin(4 pi u) up to u = 1/8, peak cos(4 pi u/3 - pi/6) up to 7/8, with
  * peak = 4 pi^2/(4 + pi) = 5.528. */
 static struct scree_kinematics modified_sine(double u) {
     double slope = pi / (4.0 + pi), peak = 4.0 * pi * slope;

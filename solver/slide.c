@@ -1,5 +1,5 @@
-/* A rigid product between the rigid tines of a comb that moves forward: pushed, sliding freely, caught, bouncing. Between events all
- * motions are polynomials, so events are found as roots, without time steps. */
+/* A rigid product between the rigid tines of a comb that moves forward: pushed, sliding freely, caught, bouncing.
+ * Between events all motions are polynomials, so events are found as roots, without time steps. */
 #include "solver/transport.h"
 
 #include <math.h>
@@ -39,7 +39,8 @@ static double crosses(const struct scree_profile *profile, double deceleration, 
         double hold = comb_terms(profile, time, terms), next = profile->start[scree_profile_segment(profile, time) + 1];
         double q[TERMS] = {sign * (2.0 * terms[2] + deceleration)};
         for (int k = 1; k < TERMS - 2; k++) q[k] = sign * (k + 1) * (k + 2) * terms[k + 2];
-        /* Where a segment starts with just that deceleration, it is what follows that counts; at its very end, the next one. */
+        /* Where a segment starts with just that deceleration, it is what follows that counts; at its very end, the next
+         * one. */
         double near = 1e-6 * hold, tau = turns_negative(q, near, hold);
         if (tau < HUGE_VAL) return tau <= near ? time : tau >= hold - near ? next : time + tau;
         time = next;
@@ -97,8 +98,8 @@ static void distance_terms(const struct slider *s, int side, const double produc
     q[0] += slack + (side > 0 ? s->play : 0.0);
 }
 
-/* When within `hold` the free product meets the tines of a side; HUGE_VAL if it doesn't. Where it touches them now, the terms that
- * vanish are divided out, so that rounding can't make a contact. */
+/* When within `hold` the free product meets the tines of a side; HUGE_VAL if it doesn't. Where it touches them now, the
+ * terms that vanish are divided out, so that rounding can't make a contact. */
 static double meets(const struct slider *s, int side, const double product[TERMS], const double comb[TERMS],
                     double slack, double hold) {
     double q[TERMS], from = 0.0;

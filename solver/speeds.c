@@ -87,7 +87,8 @@ static int within(const scree_transport *t, const scree_plan *design, double res
     return fabs(scree_slide_simulate(t, &scaled, restitution).error) <= tolerance;
 }
 
-/* The last speed towards `side` at which the error stays within the tolerance: steps of 1/min, the last one bisected. */
+/* The last speed towards `side` at which the error stays within the tolerance: steps of 1/min, the last one
+ * bisected. */
 static double farthest(const scree_transport *t, const scree_plan *design, double restitution, double tolerance,
                        int side) {
     double good = design->cycles, bad = good;

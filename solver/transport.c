@@ -243,8 +243,8 @@ static int residual_c(void *context, const double *x, double *r) {
     return 0;
 }
 
-/* The rigid product's Jacobian serves for the process model: it costs no simulation, and differs by the compliance of the
- * contacts, so that the iteration gains more than a digit a step. */
+/* The rigid product's Jacobian serves for the process model: it costs no simulation, and differs by the compliance of
+ * the contacts, so that the iteration gains more than a digit a step. */
 static int jacobian_c(void *context, const double *x, double *jacobian) {
     static const double typical[4] = {1.0, 1.0, 1.0, 10.0};
     for (int j = 0; j < 4; j++) {
@@ -259,8 +259,8 @@ static int jacobian_c(void *context, const double *x, double *jacobian) {
     return 0;
 }
 
-/* Whether the catch is as good as asked for: all residuals below the scaled clearance, the stroke far below and the acceleration,
- * which acts only from then on, not far above. */
+/* Whether the catch is as good as asked for: all residuals below the scaled clearance, the stroke far below and the
+ * acceleration, which acts only from then on, not far above. */
 static int good_enough(const struct task *task, const double *r) {
     double wanted = task->options->clearance > 0.0 ? task->options->clearance : 1e-7;
     wanted /= scree_transport_play(task->transport);
@@ -338,15 +338,16 @@ static void check_slide(const scree_transport *t, scree_plan *plan) {
              contact, plan->time[3]);
 }
 
-/* The first cause wins, so causes stand before their consequences: a comb that would move backwards does so because the speed is
- * too low for the slide, which is what should be told. */
+/* The first cause wins, so causes stand before their consequences: a comb that would move backwards does so because the
+ * speed is too low for the slide, which is what should be told. */
 void scree_plan_check(const scree_transport *t, scree_plan *plan) {
     double mu_g = scree_transport_slowing(t), d4 = plan->time[4] - plan->time[3];
     if (plan->detached < 0.0 || plan->detached > plan->time[3])
         fail(plan, SCREE_PLAN_NO_DETACHMENT,
              "the comb brakes too softly for the product to leave it: at most %.4g m/s^2, friction %.4g m/s^2",
              fmax(-plan->extrema.least.a, 0.0), mu_g);
-    /* With zero jerk at event 3, where the comb brakes like friction: only then does the quintic brake harder at once. */
+    /* With zero jerk at event 3, where the comb brakes like friction: only then does the quintic brake harder at
+     * once. */
     if (!(plan->event[3].v / d4 > 0.6 * mu_g))
         fail(plan, SCREE_PLAN_SECOND_SEPARATION,
              "after the catch the comb brakes too softly to hold the product: v3/D4 = %.4g m/s^2, needed %.4g m/s^2 "

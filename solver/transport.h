@@ -1,8 +1,10 @@
-/* Planning the new motion of a comb: it pushes a product, brakes away from it on purpose, lets it slide, and catches it with its
- * front tines without impact. Events: 0 start (rest), 1 end of push, 2 velocity minimum of the comb, 3 catch, 4 rest.
+/* Planning the new motion of a comb: it pushes a product, brakes away from it on purpose, lets it slide, and catches it
+ * with its front tines without impact. Events: 0 start (rest), 1 end of push, 2 velocity minimum of the comb, 3 catch,
+ * 4 rest.
  *
- * Everything is stated in the frame of the surfaces, x = 0 where comb and product start. The comb's stroke is the transport distance
- * less the play; the product slides under Coulomb friction. Troll et al., Adv. Mech. Eng. (2018), doi 10.1177/1687814018754953. */
+ * Everything is stated in the frame of the surfaces, x = 0 where comb and product start. The comb's stroke is the
+ * transport distance less the play; the product slides under Coulomb friction. Troll et al., Adv. Mech. Eng. (2018),
+ * doi 10.1177/1687814018754953. */
 #ifndef SCREE_SOLVER_TRANSPORT_H
 #define SCREE_SOLVER_TRANSPORT_H
 
@@ -32,16 +34,18 @@ static inline double scree_transport_slowing(const scree_transport *t) { return 
 
 enum scree_plan_state {
     SCREE_PLAN_GOOD = 0,
-    SCREE_PLAN_BAD_TASK, /* numbers that make no sense: which, the text says */
-    SCREE_PLAN_NO_DETACHMENT, /* the comb never brakes harder than friction: too slow an operating speed for these time shares */
-    SCREE_PLAN_EARLY_DETACHMENT, /* the comb brakes harder than friction before event 1 */
-    SCREE_PLAN_EARLY_CONTACT,    /* the product meets a tine again before event 3 */
-    SCREE_PLAN_SECOND_SEPARATION, /* after the catch the comb brakes too softly, well before it rests: the product leaves the front tine */
-    SCREE_PLAN_BACKWARDS,    /* the comb would have to move backwards during the transport */
-    SCREE_PLAN_ACCELERATION, /* beyond the drive's acceleration */
-    SCREE_PLAN_JERK,         /* beyond the drive's jerk */
-    SCREE_PLAN_NO_SOLUTION,  /* the least-squares solver found none: the text says why */
-    SCREE_PLAN_MODEL_FAILED  /* the process model couldn't be evaluated */
+    SCREE_PLAN_BAD_TASK,      /* numbers that make no sense: which, the text says */
+    SCREE_PLAN_NO_DETACHMENT, /* the comb never brakes harder than friction: too slow an operating speed for these time
+                                 shares */
+    SCREE_PLAN_EARLY_DETACHMENT,  /* the comb brakes harder than friction before event 1 */
+    SCREE_PLAN_EARLY_CONTACT,     /* the product meets a tine again before event 3 */
+    SCREE_PLAN_SECOND_SEPARATION, /* after the catch the comb brakes too softly, well before it rests: the product
+                                     leaves the front tine */
+    SCREE_PLAN_BACKWARDS,         /* the comb would have to move backwards during the transport */
+    SCREE_PLAN_ACCELERATION,      /* beyond the drive's acceleration */
+    SCREE_PLAN_JERK,              /* beyond the drive's jerk */
+    SCREE_PLAN_NO_SOLUTION,       /* the least-squares solver found none: the text says why */
+    SCREE_PLAN_MODEL_FAILED       /* the process model couldn't be evaluated */
 };
 
 /* "good", "no detachment", … */
@@ -99,8 +103,9 @@ struct scree_profile scree_plan_profile(const double time[5], const double v[3],
 /* Admissibility of a plan for a rigid product; sets state and text. */
 void scree_plan_check(const scree_transport *transport, scree_plan *plan);
 
-/* Velocities and accelerations of formulation A (v1, v2, v3; all accelerations follow from friction). 0, or 1 if the task makes
- * no sense. For quarter shares: v1 = 4 s/(3 T) + mu g T/4, v3 = 4 s/(3 T) - mu g T/4, v2 = 4 (s/3 - play)/T. */
+/* Velocities and accelerations of formulation A (v1, v2, v3; all accelerations follow from friction). 0, or 1 if the
+ * task makes no sense. For quarter shares: v1 = 4 s/(3 T) + mu g T/4, v3 = 4 s/(3 T) - mu g T/4, v2 = 4 (s/3 -
+ * play)/T. */
 int scree_plan_rigid(const scree_transport *transport, double cycles, double v[3]);
 
 /* Formulation A as nine equations for nine unknowns (v, a at events 1 to 3; times 1 to 3), by least squares: checks the
@@ -113,35 +118,38 @@ enum scree_shares_rule { SCREE_LEAST_ACCELERATION, SCREE_LEAST_JERK, SCREE_LEAST
 /* Cost of a plan for scree_plan_shares: HUGE_VAL where it isn't admissible. */
 typedef double scree_plan_cost(void *context, const scree_plan *plan);
 
-/* Change transport->fractions so that the cost of the plan is least (simplex search of Nelder & Mead 1965; a local minimum, from
- * shares whose plan is admissible or nearly so: where no plan is near, the shares stay about what they were). For
- * SCREE_LEAST_CATCH `cost` says what the catch costs, by simulation; for the other rules it may be NULL. Returns the plan. */
+/* Change transport->fractions so that the cost of the plan is least (simplex search of Nelder & Mead 1965; a local
+ * minimum, from shares whose plan is admissible or nearly so: where no plan is near, the shares stay about what they
+ * were). For SCREE_LEAST_CATCH `cost` says what the catch costs, by simulation; for the other rules it may be NULL.
+ * Returns the plan. */
 void scree_plan_shares(scree_transport *transport, double cycles, const scree_plan_options *options,
                        enum scree_shares_rule rule, scree_plan_cost *cost, void *context, scree_plan *plan);
 
 /* ---- operating speeds ---- */
 
-/* Profile designed for one speed and scaled to another: clearance at event 3 for a rigid product, m (positive: the product is late);
- * HUGE_VAL if the product doesn't leave the rear tines before. About mu g (L^2 - L_d^2)/2 with L the time between events 1 and
- * 3, as if the product always left at event 1; a slower profile loses it later, and a faster one before. */
+/* Profile designed for one speed and scaled to another: clearance at event 3 for a rigid product, m (positive: the
+ * product is late); HUGE_VAL if the product doesn't leave the rear tines before. About mu g (L^2 - L_d^2)/2 with L the
+ * time between events 1 and 3, as if the product always left at event 1; a slower profile loses it later, and a faster
+ * one before. */
 double scree_scaled_clearance(const scree_transport *transport, const scree_plan *design, double cycles);
 
 /* The design's plan, scaled to another speed and checked there. */
 void scree_plan_scaled(const scree_transport *transport, const scree_plan *design, double cycles, scree_plan *plan);
 
-/* A rigid product under a profile of a comb that doesn't move backwards. First time at which the comb brakes harder than
- * `deceleration` (> 0, m/s^2), so that the product leaves the rear tines; negative if it never does. */
+/* A rigid product under a profile of a comb that doesn't move backwards. First time at which the comb brakes harder
+ * than `deceleration` (> 0, m/s^2), so that the product leaves the rear tines; negative if it never does. */
 double scree_slide_detachment(const struct scree_profile *profile, double deceleration);
 
-/* First time, not before `from`, at which it brakes softer than that, so that a caught product leaves the front tines; negative if
- * it never does. */
+/* First time, not before `from`, at which it brakes softer than that, so that a caught product leaves the front tines;
+ * negative if it never does. */
 double scree_slide_release(const struct scree_profile *profile, double deceleration, double from);
 
 /* What a product that leaves at `left` has at `until`, if nothing is in its way and it still moves then. */
 scree_catch scree_slide_catch(const scree_transport *transport, const struct scree_profile *profile, double left,
                               double until);
 
-/* First time between `left` and `until` at which that product is outside of the play by more than `slack` (m); negative if never. */
+/* First time between `left` and `until` at which that product is outside of the play by more than `slack` (m); negative
+ * if never. */
 double scree_slide_leaves(const scree_transport *transport, const struct scree_profile *profile, double left,
                           double until, double slack);
 

@@ -42,8 +42,8 @@ static inline double impact_mass(int shape, double rounding) {
     return 1000.0 * scree_shape_volume(&box);
 }
 
-/* The scene of one impact: two boxes of random shape and attitude, just apart, of which the one flies against the other at 1 m/s;
- * both turn. *time receives how long it takes. */
+/* The scene of one impact: two boxes of random shape and attitude, just apart, of which the one flies against the other
+ * at 1 m/s; both turn. *time receives how long it takes. */
 static inline scree_scene *impact_scene(uint64_t *seed, const struct impact_kind *kind, double *time) {
     int first = (int)(ORACLE_SHAPES * oracle_random(seed)), second = (int)(ORACLE_SHAPES * oracle_random(seed));
     double thin_a = oracle_thickness(first), thin_b = oracle_thickness(second), thin = fmin(thin_a, thin_b);

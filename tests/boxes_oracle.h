@@ -1,7 +1,8 @@
-/* How far two rounded boxes are apart, or in each other, by a way that has nothing in common with the collider: the set of all
- * differences of a point of the one and a point of the other core is a zonotope, of six generators; its point nearest to zero by
- * P. Wolfe, "Finding the nearest point in a polytope", Math. Programming 11 (1976) 128, and while zero is inside, its nearest face, the
- * normals of which are the products of two generators. Slow, and exact to rounding. And random pairs to try a collider on. */
+/* How far two rounded boxes are apart, or in each other, by a way that has nothing in common with the collider: the set
+ * of all differences of a point of the one and a point of the other core is a zonotope, of six generators; its point
+ * nearest to zero by P. Wolfe, "Finding the nearest point in a polytope", Math. Programming 11 (1976) 128, and while
+ * zero is inside, its nearest face, the normals of which are the products of two generators. Slow, and exact to
+ * rounding. And random pairs to try a collider on. */
 #ifndef SCREE_TESTS_BOXES_ORACLE_H
 #define SCREE_TESTS_BOXES_ORACLE_H
 
@@ -34,7 +35,8 @@ struct oracle_corral {
     struct vec p[4], nearest;
 };
 
-/* Keep the points of `set` if the point nearest to zero of their flat lies between them, and nearer than what is known. */
+/* Keep the points of `set` if the point nearest to zero of their flat lies between them, and nearer than what is
+ * known. */
 static inline void oracle_try(const struct vec *p, int count, struct oracle_corral *best) {
     double weight[3] = {1.0, 0.0, 0.0};
     struct vec u = vec_sub(p[count > 1], p[0]), v = vec_sub(p[count > 2 ? 2 : 0], p[0]), x = p[0];
@@ -59,7 +61,8 @@ static inline void oracle_try(const struct vec *p, int count, struct oracle_corr
     best->nearest = x;
 }
 
-/* The point nearest to zero of the hull of some points that doesn't hold zero: of all their triangles, edges and corners. */
+/* The point nearest to zero of the hull of some points that doesn't hold zero: of all their triangles, edges and
+ * corners. */
 static inline void oracle_reduce(struct oracle_corral *corral) {
     struct oracle_corral best = {1, {corral->p[0]}, corral->p[0]};
     for (int set = 1; set < 1 << corral->count; set++) {
@@ -184,8 +187,9 @@ static inline void oracle_bring_together(struct oracle_pair *pair, struct vec wa
     }
 }
 
-/* A pair of boxes whose overlap, or gap, is random: up to 0.49 of the thinner one deep (`deepest` of the roundings instead, if that
- * isn't 0). Every fourth pair has an axis in common, or nearly. `roundness` is the rounding in parts of half the shortest edge. */
+/* A pair of boxes whose overlap, or gap, is random: up to 0.49 of the thinner one deep (`deepest` of the roundings
+ * instead, if that isn't 0). Every fourth pair has an axis in common, or nearly. `roundness` is the rounding in parts
+ * of half the shortest edge. */
 static inline void oracle_random_pair(struct oracle_pair *pair, uint64_t *seed, double roundness, double deepest) {
     int first = (int)(ORACLE_SHAPES * oracle_random(seed)), second = (int)(ORACLE_SHAPES * oracle_random(seed));
     double thin_a = oracle_thickness(first), thin_b = oracle_thickness(second);

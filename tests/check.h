@@ -1,4 +1,5 @@
-/* Checks for the tests: a failure prints both values, file and line, and the program goes on; its exit status counts. */
+/* Checks for the tests: a failure prints both values, file and line, and the program goes on; its exit status
+ * counts. */
 #ifndef SCREE_TESTS_CHECK_H
 #define SCREE_TESTS_CHECK_H
 

@@ -47,8 +47,8 @@ static inline scree_body_state state_of(const scree_scene *scene, const char *na
     return scree_scene_body(scene, scree_scene_find_body(scene, name));
 }
 
-/* The hashes of a file of data/golden, which every build must reproduce: scene, steps, hash a row. The scenes are changed, but for the one
- * called `unchanged` (may be NULL). */
+/* The hashes of a file of data/golden, which every build must reproduce: scene, steps, hash a row. The scenes are
+ * changed, but for the one called `unchanged` (may be NULL). */
 static inline void check_golden(const char *name_of_file, const char *const *changes, int count, const char *unchanged,
                                 int expected_rows) {
     char path[512], name[64];

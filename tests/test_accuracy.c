@@ -1,4 +1,5 @@
-/* The step that an accuracy asks for, and the watch that halves it: what is promised, measured apart from how it is found. */
+/* The step that an accuracy asks for, and the watch that halves it: what is promised, measured apart from how it is
+ * found. */
 #include "contact/impact.h"
 #include "tests/scenes.h"
 
@@ -140,8 +141,8 @@ static void test_scenes(void) {
     }
 }
 
-/* A box of 0.03 kg lands on one corner whose laws share its weight among four: a corner yields like less than a quarter of the
- * mass, and the step is as much shorter. */
+/* A box of 0.03 kg lands on one corner whose laws share its weight among four: a corner yields like less than a quarter
+ * of the mass, and the step is as much shorter. */
 static const char box_text[] =
     "[time]\nend = 1.0\nspeed = 1.0\naccuracy = 1e-3\nintegrator = \"verlet\"\n"
     "[[material]]\nname = \"m\"\n"
@@ -190,9 +191,10 @@ static double run_file(const char *name, double step, double share, double *lack
     return way;
 }
 
-/* A fiftieth of the shortest contact, (pi/50)^2/4 = 1e-3 of the energy of a swing by Verlet's own theory: the scenes of the repository run
- * through, their books close to that, and where bodies are few they come as far as with a quarter of the step, to 2.7e-3 of the way, the
- * error of an oblique impact at that step (README). Of the beds a part is enough. */
+/* A fiftieth of the shortest contact, (pi/50)^2/4 = 1e-3 of the energy of a swing by Verlet's own theory: the scenes of
+ * the repository run through, their books close to that, and where bodies are few they come as far as with a quarter of
+ * the step, to 2.7e-3 of the way, the error of an oblique impact at that step (README). Of the beds a part is
+ * enough. */
 static void test_auto_scenes(void) {
     static const struct {
         const char *name;
@@ -216,8 +218,9 @@ static void test_auto_scenes(void) {
     }
 }
 
-/* One ball of mass 1 meets another elastically, with the automatic step: velocities after within what an elastic impact errs by at 50
- * steps (4.8e-4 at most over phases, of a spring; Hertz's 6e-5), whatever the ratio of masses, the stiffness, the size and the speed. */
+/* One ball of mass 1 meets another elastically, with the automatic step: velocities after within what an elastic impact
+ * errs by at 50 steps (4.8e-4 at most over phases, of a spring; Hertz's 6e-5), whatever the ratio of masses, the
+ * stiffness, the size and the speed. */
 static void test_auto_extremes(void) {
     static const double ratios[] = {1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9}, scales[] = {1e-6, 1e-3, 1.0, 1e3};
     for (int k = 0; k < 7 * 4 * 2; k++) {
@@ -290,8 +293,8 @@ static void says(scree_scene *scene, const char *part) {
     CONTAINS(text, part);
 }
 
-/* Undamped Hertz to 1e-3 is cheaper with Verlet (20 steps against 10 of 3.5 times the cost), Tsuji's to 1e-4 with pair impulses
- * (932 against 10). */
+/* Undamped Hertz to 1e-3 is cheaper with Verlet (20 steps against 10 of 3.5 times the cost), Tsuji's to 1e-4 with pair
+ * impulses (932 against 10). */
 static void test_cheaper(void) {
     scree_scene *hertz = thrown("normal = { law = \"hertz\", stiffness = 5e6 }", "accuracy = 1e-3", 0.0, 0.5, 1e-5);
     scree_scene *tsuji = thrown("normal = { law = \"tsuji-cut\", stiffness = 5e6, restitution = 0.5 }",
@@ -307,8 +310,8 @@ static void test_cheaper(void) {
     scree_scene_destroy(tsuji);
 }
 
-/* Left out, and no accuracy asked for: pair impulses for spheres up to a thousand that move, Verlet for more, and for boxes. What is
- * fixed or driven doesn't count. */
+/* Left out, and no accuracy asked for: pair impulses for spheres up to a thousand that move, Verlet for more, and for
+ * boxes. What is fixed or driven doesn't count. */
 static void test_left_out(void) {
     static const struct {
         int count;
@@ -383,8 +386,8 @@ static void lies_still(const scree_scene *scene) {
     NEAR(state_of(scene, "ball").velocity[2], 0.0, 1e-12);
 }
 
-/* Stops as it is, and ends at rest, m g/k deep, if the step is halved. Pair impulses take the impact in steps of their own, and go on
- * until these are too long: 63 in 234/omega. */
+/* Stops as it is, and ends at rest, m g/k deep, if the step is halved. Pair impulses take the impact in steps of their
+ * own, and go on until these are too long: 63 in 234/omega. */
 static void test_ends_right(void) {
     static const char *const steps[] = {"time.step=2e-3", "time.step=1.6e-2", "time.step=1.28e-1"};
     for (int k = 0; k < 3; k++) {
@@ -409,8 +412,8 @@ static void test_ends_right(void) {
     }
 }
 
-/* A ball that touches more than once in a step of pair impulses: all of its bounces, and the coming to rest. With steps that last a few
- * contacts, and thirty. A law without a pass of its own, and friction, go the same way. */
+/* A ball that touches more than once in a step of pair impulses: all of its bounces, and the coming to rest. With steps
+ * that last a few contacts, and thirty. A law without a pass of its own, and friction, go the same way. */
 static void test_bounces_within(void) {
     static const char *const laws[] = {
         "contact.0.normal.stiffness=1e5",
@@ -427,8 +430,9 @@ static void test_bounces_within(void) {
     }
 }
 
-/* Pressed between two walls, with a step near the limit of one spring and so beyond that of two: the swing explodes. Halved, it is as it is
- * with a small step, apart from what Verlet's energy swings by at 0.47 of a limit: (omega h/2)^2 = 0.9^2/2. */
+/* Pressed between two walls, with a step near the limit of one spring and so beyond that of two: the swing explodes.
+ * Halved, it is as it is with a small step, apart from what Verlet's energy swings by at 0.47 of a limit: (omega h/2)^2
+ * = 0.9^2/2. */
 static void test_squeezed(void) {
     static const char text[] =
         "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-3\n[[material]]\nname = \"m\"\n"
@@ -460,8 +464,9 @@ static void test_squeezed(void) {
     }
 }
 
-/* An elastic ball that meets a wall at 1.7 steps a contact leaves with 0 to 2.4 times its speed, which only the books know. They may be off by a
- * tenth of what was turned over, which is the energy before or after: it is 0.9 to 1/0.9 times that before. */
+/* An elastic ball that meets a wall at 1.7 steps a contact leaves with 0 to 2.4 times its speed, which only the books
+ * know. They may be off by a tenth of what was turned over, which is the energy before or after: it is 0.9 to 1/0.9
+ * times that before. */
 static void test_growth(void) {
     int halved = 0;
     double worst = 0.0;

@@ -1,8 +1,8 @@
 /* The adaptive integrator against exact solutions and reference tables, over whole scenes.
  *
- * Tolerances of a step are relative to the speeds of a body; a contact takes some 30 to 60 steps, whose errors partly cancel, so
- * errors of a contact are expected within 10 tolerances, down to rounding: some 1e-14 of the speed for bodies whose overlaps are
- * 1e-2 of their distance to the origin. */
+ * Tolerances of a step are relative to the speeds of a body; a contact takes some 30 to 60 steps, whose errors partly
+ * cancel, so errors of a contact are expected within 10 tolerances, down to rounding: some 1e-14 of the speed for
+ * bodies whose overlaps are 1e-2 of their distance to the origin. */
 #include "tests/scenes.h"
 
 #include "bodies/quat.h"
@@ -132,8 +132,8 @@ static void test_tables(void) {
 
 /* ---- oblique impacts ---- */
 
-/* A sphere with friction and a light shell moves at its contact as a body that can't turn and has 2/7 of its mass; that leaves out the
- * lever arm's shortening by the overlap, which the 40-digit table doesn't know. */
+/* A sphere with friction and a light shell moves at its contact as a body that can't turn and has 2/7 of its mass; that
+ * leaves out the lever arm's shortening by the overlap, which the 40-digit table doesn't know. */
 static void test_oblique(void) {
     struct check_table *table = check_read("oblique_hertz_mindlin_noslip.csv");
     double worst = 0.0;
@@ -183,8 +183,8 @@ static scree_scene *row_of(int count, const char *law, double tolerance) {
     return adaptive(text, tolerance, NULL, 0);
 }
 
-/* The table has 12 digits, and says itself which of them to trust. Spheres of 0.1 m that just touch are apart or overlap by 1e-17 m,
- * 1e-14 of what they will. */
+/* The table has 12 digits, and says itself which of them to trust. Spheres of 0.1 m that just touch are apart or
+ * overlap by 1e-17 m, 1e-14 of what they will. */
 static void test_cradle(void) {
     struct check_table *table = check_read("newtons_cradle.csv");
     static const char *const columns[] = {"v1", "v2", "v3", "v4", "v5"};
@@ -209,8 +209,8 @@ static void test_cradle(void) {
 
 /* ---- sliders ---- */
 
-/* A mass on a rough floor, thrown at speed v, seen at its contact: the spring of the slider (no dashpot) takes up the load, then it
- * slides, then it swings about where it stopped. */
+/* A mass on a rough floor, thrown at speed v, seen at its contact: the spring of the slider (no dashpot) takes up the
+ * load, then it slides, then it swings about where it stopped. */
 struct thrown {
     double mass, stiffness, load, speed;
 };
@@ -230,8 +230,8 @@ static const char ball_on_floor[] =
     "velocity = [0.5, 0, 0]\n[output]\nevery = 0.01\n"
     "[[contact]]\nbetween = [\"ball\", \"floor\"]\nnormal = { law = \"linear\", stiffness = 1e5, damping = 0.0 }\n";
 
-/* Slides to rest without turning, and slips until it rolls (MFiX's test 04: 5/7 of the speed is left, 2/7 u/(mu g) later, on a
- * rigid floor), against the solution for this floor and this spring. */
+/* Slides to rest without turning, and slips until it rolls (MFiX's test 04: 5/7 of the speed is left, 2/7 u/(mu g)
+ * later, on a rigid floor), against the solution for this floor and this spring. */
 static void test_slides(void) {
     double mass = 0.03, radius = 0.01, overlap = mass * 9.81 / 1e5, arm = radius - 0.5 * overlap;
     for (int rolls = 0; rolls < 2; rolls++) {
@@ -259,9 +259,9 @@ static void test_slides(void) {
 
 /* ---- rigid limits ---- */
 
-/* Springs replace rigid floors and true sticking. What they add is a series in eps = 1/sqrt(stiffness): a give of weight/k, which is
- * eps^2, and what a dashpot of critical damping, as eps^-1, makes of it, eps^3 and on. So values at k, 4 k, 16 k, ... give the rigid
- * one by eliminating eps^2, eps^3, ... in turn (Richardson). */
+/* Springs replace rigid floors and true sticking. What they add is a series in eps = 1/sqrt(stiffness): a give of
+ * weight/k, which is eps^2, and what a dashpot of critical damping, as eps^-1, makes of it, eps^3 and on. So values at
+ * k, 4 k, 16 k, ... give the rigid one by eliminating eps^2, eps^3, ... in turn (Richardson). */
 static double rigid_limit(double *value, int count) {
     for (int power = 2, left = count - 1; left > 0; power++, left--)
         for (int k = 0; k < left; k++) value[k] = value[k + 1] + (value[k + 1] - value[k]) / (ldexp(1.0, power) - 1.0);
@@ -270,7 +270,8 @@ static double rigid_limit(double *value, int count) {
 
 enum { STIFFNESSES = 3, STIFFNESSES_OF_FLOOR = 4 };
 
-/* Way, speed and speed of rolling of the ball that slides to rest, or slips until it rolls, at two times: before and after. */
+/* Way, speed and speed of rolling of the ball that slides to rest, or slips until it rolls, at two times: before and
+ * after. */
 static void slide_on(double stiffness, int rolls, const double times[2], double numbers[6]) {
     double mass = 0.03, radius = 0.01, damping = 2.0 * sqrt(stiffness * mass);
     char place[80], normal[160], friction[160], every[48], end[48];
@@ -320,8 +321,8 @@ static void test_rigid_slides(void) {
     }
 }
 
-/* A mass on a belt that drags it against a spring: sticks until static friction gives, slips at kinetic friction. With a stiff but
- * finite spring of the slider both phases are sums of sines. */
+/* A mass on a belt that drags it against a spring: sticks until static friction gives, slips at kinetic friction. With
+ * a stiff but finite spring of the slider both phases are sums of sines. */
 struct swing {
     double k, kt, belt, holds, slides; /* mass 1 */
     double x, v, stretch;
@@ -369,8 +370,8 @@ static void swing_for(struct swing *s, double time) {
     }
 }
 
-/* The spring is a wall into which a steady pull presses the mass, so that it never leaves it. The scene is looked at `looks` times, which
- * bounds the step. */
+/* The spring is a wall into which a steady pull presses the mass, so that it never leaves it. The scene is looked at
+ * `looks` times, which bounds the step. */
 static scree_body_state swing_in_scene(const struct swing *s, double time, double damping, long looks,
                                        scree_effort *effort) {
     char text[2048];
@@ -424,8 +425,8 @@ static void test_stick_slip(void) {
     free(table);
 }
 
-/* The rigid slider, from shortly before a slip (at its begin itself the force would leave the limit like the square of time, which is no
- * event to be located): the mass has stuck again, and slips for the second time. */
+/* The rigid slider, from shortly before a slip (at its begin itself the force would leave the limit like the square of
+ * time, which is no event to be located): the mass has stuck again, and slips for the second time. */
 static void test_rigid_stick_slip(void) {
     struct check_table *table = check_read("stick_slip_oscillator.csv");
     for (int row = 0; row < table->rows; row++) {
@@ -470,9 +471,9 @@ static const char top[] =
     "[[body]]\nname = \"top\"\nshape = { box = [0.1, 0.2, 0.3] }\nmaterial = \"brass\"\nspin = [1, 2, 3]\n"
     "[output]\nevery = 0.5\n";
 
-/* 15 digits of the exact solution over some 12 turns. About the middle axis a top flips over again and again, when by the difference of
- * its energy from that of the separatrix, 1e-6 of it: of rounding, 1e-16, that makes 1e-10 of the time between flips, and flips
- * are some ten times as fast as that. */
+/* 15 digits of the exact solution over some 12 turns. About the middle axis a top flips over again and again, when by
+ * the difference of its energy from that of the separatrix, 1e-6 of it: of rounding, 1e-16, that makes 1e-10 of the
+ * time between flips, and flips are some ten times as fast as that. */
 static void test_top(void) {
     struct check_table *table = check_read("torque_free_top.csv");
     scree_scene *scene = NULL;
@@ -507,7 +508,8 @@ static void test_top(void) {
     free(table);
 }
 
-/* Some 1200 turns; the energy is kept by projection, to rounding of each step, the angular momentum is an unknown of its own. */
+/* Some 1200 turns; the energy is kept by projection, to rounding of each step, the angular momentum is an unknown of
+ * its own. */
 static void test_top_keeps(void) {
     const char *changes[] = {"output.every=100.0", "time.end=2000.0"};
     scree_scene *scene = adaptive(top, 1e-12, changes, 2);
@@ -594,7 +596,8 @@ static void test_golden(void) {
     check_golden("adaptive.txt", changes, 2, NULL, 4);
 }
 
-/* Two balls that bounce for a second, with flights and without: the same but for the errors of both, which grow with each bounce. */
+/* Two balls that bounce for a second, with flights and without: the same but for the errors of both, which grow with
+ * each bounce. */
 static void test_flight(void) {
     static const char text[] =
         "gravity = [0.3, 0, -9.81]\n[time]\nend = 1.0\n[[material]]\nname = \"ball\"\ndensity = 2000\n"
@@ -633,8 +636,9 @@ static void test_flight(void) {
 
 /* ---- driven bodies, boxes at rest ---- */
 
-/* A box on a table that a motion with kinks drives (straight between its points), frictionless to friction that sticks: the box goes
- * with the table. The books close over the kinks, and rest is rest: what is left of the motion is rounding. */
+/* A box on a table that a motion with kinks drives (straight between its points), frictionless to friction that sticks:
+ * the box goes with the table. The books close over the kinks, and rest is rest: what is left of the motion is
+ * rounding. */
 static void test_driven_box(void) {
     static const char text[] =
         "gravity = [0, 0, -9.81]\n[time]\nend = 1.5\n[[material]]\nname = \"bar\"\ndensity = 1300\n"
@@ -684,8 +688,9 @@ static void stretch_what_touches(scree_scene *scene, double stretch) {
     }
 }
 
-/* The time in which a block let go on one edge is upright, a quarter of its period. Found on the cubic through angle and spin, on a floor
- * that the other edge doesn't meet; the edge begins as deep in as it is pressed, or it would bounce and slip. */
+/* The time in which a block let go on one edge is upright, a quarter of its period. Found on the cubic through angle
+ * and spin, on a floor that the other edge doesn't meet; the edge begins as deep in as it is pressed, or it would
+ * bounce and slip. */
 static double upright_after(double half_height, double half_width, double angle, double stiffness) {
     double radius = sqrt(half_height * half_height + half_width * half_width),
            lean = atan(half_width / half_height) - angle;
@@ -729,7 +734,8 @@ static double upright_after(double half_height, double half_width, double angle,
     return time;
 }
 
-/* Exact for a rigid block on a rigid floor; on one of stiffness k it is off by some of m g/(k b), by which the edge sinks in. */
+/* Exact for a rigid block on a rigid floor; on one of stiffness k it is off by some of m g/(k b), by which the edge
+ * sinks in. */
 static void test_rocking(void) {
     struct check_table *table = check_read("rocking_block.csv");
     for (int row = 0; row < table->rows; row += 4) {
@@ -747,8 +753,8 @@ static void test_rocking(void) {
 
 /* ---- every law ---- */
 
-/* A spinning ball thrown at a wall by each law's example: the run comes to its end, and the books close within 100 tolerances of the
- * 0.019 J thrown: laws with kinks that nobody announces take short steps there. */
+/* A spinning ball thrown at a wall by each law's example: the run comes to its end, and the books close within 100
+ * tolerances of the 0.019 J thrown: laws with kinks that nobody announces take short steps there. */
 static void test_every_law(void) {
     int normals = 0, frictions = 0;
     while (scree_normal_laws[normals]) normals++;
@@ -803,8 +809,8 @@ static const char bars[] =
     "[[body]]\nname = \"upper\"\nshape = { box = [0.1, 0.02, 0.02], rounding = 0.002 }\nmaterial = \"bar\"\n"
     "position = [0, 0, 0.021]\n";
 
-/* Edges on edges: refused by name where boxes can meet so; where they share an axis at the start and then turn out of it, the run
- * stops. */
+/* Edges on edges: refused by name where boxes can meet so; where they share an axis at the start and then turn out of
+ * it, the run stops. */
 static void test_edges(void) {
     refused(bars, "body.upper.name=\"upper\"", "\"lower\" and \"upper\"");
     const char *turns[] = {"body.upper.shape={box=[0.1,0.1,0.02], rounding=0.002}",

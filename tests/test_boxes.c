@@ -52,8 +52,8 @@ static double moved_overlap(struct oracle_pair pair, int what, int axis, double 
     return meet_either(&pair.boxes, which).meeting.overlap;
 }
 
-/* The least sine between an axis of the one and one of the other: edges that are nearly parallel turn their normal fast, which no
- * difference quotient follows. */
+/* The least sine between an axis of the one and one of the other: edges that are nearly parallel turn their normal
+ * fast, which no difference quotient follows. */
 static double least_sine(const struct oracle_pair *pair) {
     double least = 1.0;
     for (int k = 0; k < 9; k++)
@@ -61,10 +61,12 @@ static double least_sine(const struct oracle_pair *pair) {
     return least;
 }
 
-/* Moving away from the other box, or turning, as the gradient says, makes q smaller by as much: between what is found on the one and on
- * the other side, which differ where the least deep direction, or the nearest face, is another one. */
+/* Moving away from the other box, or turning, as the gradient says, makes q smaller by as much: between what is found
+ * on the one and on the other side, which differ where the least deep direction, or the nearest face, is another
+ * one. */
 static void check_slope_of(const struct oracle_pair *pair, int which, const struct scree_crossing *c) {
-    /* Curvature is up to 1/(0.2 x 1e-3 m) where cores are drawn in, times the shift; and rounding of q, 1e-16 m over the shift. */
+    /* Curvature is up to 1/(0.2 x 1e-3 m) where cores are drawn in, times the shift; and rounding of q, 1e-16 m over
+     * the shift. */
     const double by = 1e-8, tolerance = 1e-3;
     const struct vec gradient[3] = {c->force, c->turn_a, c->turn_b};
     for (int what = 0; what < 3; what++)
@@ -76,8 +78,8 @@ static void check_slope_of(const struct oracle_pair *pair, int which, const stru
         }
 }
 
-/* What corners, and edges on edges, do is the gradient of their overlaps, also where corners share in an edge's, and in boxes deeper in
- * each other than their roundings. */
+/* What corners, and edges on edges, do is the gradient of their overlaps, also where corners share in an edge's, and in
+ * boxes deeper in each other than their roundings. */
 static void check_gradient(double roundness, double deepest, int pairs, int least) {
     uint64_t seed = 99;
     int found[2] = {0}, leaning = 0;
@@ -137,9 +139,9 @@ static struct energies random_impacts(int count, const struct impact_kind *kind)
     return e;
 }
 
-/* Without dashpot and friction energy comes back as exactly as the integrator is: of second order, the error of the worst impact is
- * some times (pi/steps)^2/12, that of a spring alone. Where roundings are all there is, four edges lie in one and make contacts
- * four times as stiff, so their steps count half. */
+/* Without dashpot and friction energy comes back as exactly as the integrator is: of second order, the error of the
+ * worst impact is some times (pi/steps)^2/12, that of a spring alone. Where roundings are all there is, four edges lie
+ * in one and make contacts four times as stiff, so their steps count half. */
 static void test_elastic_impacts(void) {
     static const struct impact_kind coarse = {0.2, 50.0, 0.5, "damping = 0", "", NULL};
     static const struct impact_kind fine = {0.2, 200.0, 0.5, "damping = 0", "", NULL};
@@ -159,9 +161,9 @@ static void test_elastic_impacts(void) {
     CHECK(fmax(d.largest, -d.least) < 10.0 * spring / (100.0 * 100.0));
 }
 
-/* Boxes deeper in each other than their roundings push in another direction when another one becomes the least deep. Most impacts do without
- * that and are of second order. The scheme passes it with an error of first order, at most by pushing the wrong way for a step at the largest
- * force, which is the work pi/steps of the energy. */
+/* Boxes deeper in each other than their roundings push in another direction when another one becomes the least deep.
+ * Most impacts do without that and are of second order. The scheme passes it with an error of first order, at most by
+ * pushing the wrong way for a step at the largest force, which is the work pi/steps of the energy. */
 static void test_deep_impacts(void) {
     static const double roundness[2] = {0.0, 0.02}, depth[2] = {0.0, 5.0};
     for (int k = 0; k < 2; k++) {
@@ -201,7 +203,8 @@ SCREE_PRINTF(2, 3) static void write_on(struct draft *d, const char *format, ...
     va_end(arguments);
 }
 
-/* Gravity tilted by `slope` about y; one material whose contacts are damped springs of k for each point that touches. */
+/* Gravity tilted by `slope` about y; one material whose contacts are damped springs of k for each point that
+ * touches. */
 static struct draft *begin_draft(double slope, double step, double stiffness, const char *friction) {
     struct draft *d = calloc(1, sizeof *d);
     write_on(d,
@@ -232,7 +235,8 @@ static scree_scene *end_draft(struct draft *d) {
 
 static const char sticks[] = "law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e5, damping = 200";
 
-/* Boxes that tumble in a heap: whenever lists are made, also just before a touch, and whatever they hold, the bits are the same. */
+/* Boxes that tumble in a heap: whenever lists are made, also just before a touch, and whatever they hold, the bits are
+ * the same. */
 static void test_lists_leave_no_trace(void) {
     static const double skins[] = {0.6e-3, 0.9e-3, 2e-3, 4e-3};
     uint64_t hash[4];
@@ -307,8 +311,8 @@ static void move_pair(struct oracle_pair *pair, uint64_t *seed, double way) {
     pair->boxes.apart = vec_axpy(pair->boxes.apart, shift * way, oracle_direction(seed));
 }
 
-/* Whatever touches after the boxes have gone some way was near for this way before: corners and edges, in boxes that are, or get,
- * deeper in each other than their roundings. */
+/* Whatever touches after the boxes have gone some way was near for this way before: corners and edges, in boxes that
+ * are, or get, deeper in each other than their roundings. */
 static void test_foresight(void) {
     scree_scene *scene = scene_from("[[material]]\nname = \"m\"\ndensity = 1000\n[time]\nend = 1.0\nstep = 1e-5\n"
                                     "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear-cut\", "
@@ -355,8 +359,8 @@ static void test_foresight(void) {
 
 /* ---- boxes on boxes at rest ---- */
 
-/* Faces on each other that no corner of either bears: a cube turned by 45 degrees on one as large (eight crossings), a plank across
- * two walls (four on each). It sinks by its weight over the sum of the springs, and stays where it is. */
+/* Faces on each other that no corner of either bears: a cube turned by 45 degrees on one as large (eight crossings), a
+ * plank across two walls (four on each). It sinks by its weight over the sum of the springs, and stays where it is. */
 static void test_crossed_faces(void) {
     for (int k = 0; k < 4; k++) {
         double rounding = k % 2 ? 0.004 : 0.0, stiffness = 1e5, kinetic, height;
@@ -381,7 +385,8 @@ static void test_crossed_faces(void) {
     }
 }
 
-/* A plank across two walls, for which no corner is there to bear it: if boxes are to meet with corners only, it falls freely. */
+/* A plank across two walls, for which no corner is there to bear it: if boxes are to meet with corners only, it falls
+ * freely. */
 static void test_corners_only(void) {
     const char *corners = "contact.0.corners=true";
     struct draft *d = begin_draft(0.0, 5e-5, 1e5, sticks);
@@ -395,8 +400,8 @@ static void test_corners_only(void) {
     free(d);
 }
 
-/* Bricks that overlap by a corner each: two corners and two crossings. The crossings take over as the brick tilts, so it stands; it
- * tilts by less than what it sinks, 2 m g/k at one corner, over its half width. */
+/* Bricks that overlap by a corner each: two corners and two crossings. The crossings take over as the brick tilts, so
+ * it stands; it tilts by less than what it sinks, 2 m g/k at one corner, over its half width. */
 static void test_offset_bricks(void) {
     struct draft *d = begin_draft(0.0, 5e-5, 1e5, sticks);
     double kinetic;
@@ -446,8 +451,8 @@ static void test_tower_and_wall(void) {
 
 /* ---- slopes ---- */
 
-/* A box on a slope of another box, or across two rails, where edges alone bear it: it sticks just below the critical angle and slides
- * just above, as g (sin a - mu cos a). */
+/* A box on a slope of another box, or across two rails, where edges alone bear it: it sticks just below the critical
+ * angle and slides just above, as g (sin a - mu cos a). */
 static void check_slope(double slope, int rails, int slides) {
     struct draft *d = begin_draft(slope, 2e-5, 1e6, sticks);
     double kinetic;
@@ -496,8 +501,8 @@ static void test_tipping(void) {
 }
 
 /* Two cards lean on each other, at an angle from the plumb line: moments about the foot ask for a friction of
- * (h sin - t cos)/2/(h cos + r), with the core's height h and thickness t and the rounding r. They stand with 1 % more of it, and not with
- * 2 % less. */
+ * (h sin - t cos)/2/(h cos + r), with the core's height h and thickness t and the rounding r. They stand with 1 % more
+ * of it, and not with 2 % less. */
 static double height_of_cards(double friction_share) {
     const double angle = 0.35, h = 0.2 - 2.0 * 0.003, t = 0.01 - 2.0 * 0.003, r = 0.003;
     double needed = 0.5 * (h * sin(angle) - t * cos(angle)) / (h * cos(angle) + r), mu = friction_share * needed;
@@ -527,7 +532,8 @@ static void test_cards(void) {
 
 /* ---- edge and corner on a plane ---- */
 
-/* Against the solution for a spring whose attitude is followed (box_edge_impact_2d.csv); a box as deep as long has two corners there. */
+/* Against the solution for a spring whose attitude is followed (box_edge_impact_2d.csv); a box as deep as long has two
+ * corners there. */
 static void test_edge_impact(void) {
     struct check_table *table = check_read("box_edge_impact_2d.csv");
     int rows = 0;
@@ -558,8 +564,8 @@ static void test_edge_impact(void) {
     free(table);
 }
 
-/* In the limit of a stiff spring the rigid body's impulse (box_corner_impulse_3d.csv): the attitude turns by some 10 rad/s during the
- * contact, so the error is some 10 rad/s x its time. */
+/* In the limit of a stiff spring the rigid body's impulse (box_corner_impulse_3d.csv): the attitude turns by some 10
+ * rad/s during the contact, so the error is some 10 rad/s x its time. */
 static void test_corner_impact(void) {
     struct check_table *table = check_read("box_corner_impulse_3d.csv");
     int rows = 0;

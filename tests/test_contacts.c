@@ -236,8 +236,8 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
     return touching;
 }
 
-/* Candidate pairs of scattered bodies of sizes up to 1000:1, a few of which may go far, against all pairs: none missed, none twice.
- * `height`: over their spread sideways. */
+/* Candidate pairs of scattered bodies of sizes up to 1000:1, a few of which may go far, against all pairs: none missed,
+ * none twice. `height`: over their spread sideways. */
 static void check_candidates(double ratio, double spread, double height, int count, int periodic) {
     size_t size = 4096 + (size_t)count * 200;
     char *text = malloc(size);
@@ -338,8 +338,8 @@ static int count_touching_balls(const struct scree_bodies *bodies) {
     return touching;
 }
 
-/* A long lattice, so many that they lie in slabs, of which a few layers move: no contact is missed across slabs, and lists made anew in
- * every step give the same bits. */
+/* A long lattice, so many that they lie in slabs, of which a few layers move: no contact is missed across slabs, and
+ * lists made anew in every step give the same bits. */
 static void test_lists_of_slabs(void) {
     enum { LONG = 64, WIDE = 8, COUNT = LONG * WIDE * WIDE };
     size_t size = 1024 + (size_t)COUNT * 200;
@@ -430,8 +430,8 @@ static void test_momentum(void) {
     check_momenta(NULL, 0);
     check_momenta(boxes, 1); /* the sphere b on the box a */
     check_momenta(boxes, 2);
-    /* Pair impulses act at one point too, but along a course that the bodies follow to second order only: 16 times less at a
-     * quarter of the step, but for the phase of the touch. */
+    /* Pair impulses act at one point too, but along a course that the bodies follow to second order only: 16 times less
+     * at a quarter of the step, but for the phase of the touch. */
     const char *impulses[] = {"time.integrator=\"pair-impulse\"", "time.step=1e-5"};
     double coarse = lost_momentum(impulses, 2);
     impulses[1] = "time.step=2.5e-6";
@@ -483,8 +483,8 @@ static struct vec turn_by_hand(const scree_scene *scene, const struct scree_rule
     return vec_add(turn, vec_scale(h, torque));
 }
 
-/* Pairs of spheres pressed into each other at random, in numbers that leave lanes of the last block empty; some faster, some
- * slower, so that friction laws take all their branches. */
+/* Pairs of spheres pressed into each other at random, in numbers that leave lanes of the last block empty; some faster,
+ * some slower, so that friction laws take all their branches. */
 static scree_scene *pressed_pairs(const char *normal, const char *friction, const char *rolling, int pairs) {
     size_t size = 4096 + (size_t)pairs * 1024;
     char *text = malloc(size);

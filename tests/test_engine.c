@@ -16,8 +16,8 @@ static const char impact_head[] =
     "position = [0, 0, 0.011]\nvelocity = [0, 0, -1]\n"
     "[[contact]]\nbetween = [\"ball\", \"wall\"]\n";
 
-/* Root mean square error of the rebound speed over phases of first touch, at `steps` steps in the time pi sqrt(m/k) (m =
- * 0.03 kg, k = 1e5 N/m); the step is varied as well, so that steps per contact aren't whole numbers. */
+/* Root mean square error of the rebound speed over phases of first touch, at `steps` steps in the time pi sqrt(m/k) (m
+ * = 0.03 kg, k = 1e5 N/m); the step is varied as well, so that steps per contact aren't whole numbers. */
 static double rebound_error(const char *law, double expected, double steps) {
     enum { PHASES = 60 };
     double sum = 0.0;
@@ -99,8 +99,8 @@ static double slide_from(double speed, double threshold) {
 }
 
 static void test_sliding_distance(void) {
-    /* (v^2 - (1.5 v_th)^2)/(2 mu_k g) + integral of v dv/(mu g) between v_th and 1.5 v_th + v_th^2/(mu_s g), the integral by
-     * Simpson's rule, whose error here is below 1e-10 of it. */
+    /* (v^2 - (1.5 v_th)^2)/(2 mu_k g) + integral of v dv/(mu g) between v_th and 1.5 v_th + v_th^2/(mu_s g), the
+     * integral by Simpson's rule, whose error here is below 1e-10 of it. */
     const double g = 9.81, mu_s = 0.4, mu_k = 0.3;
     for (int k = 0; k < 4; k++) {
         double v = k % 2 ? 1.0 : 0.1, threshold = k / 2 ? 1e-2 : 1e-3, middle = 0.0;
@@ -139,7 +139,8 @@ static void test_restitution(void) {
     CLOSE(met_at(0.1, 0), 0.15, 1e-5);
     CLOSE(met_at(1.0, 0), 1.5, 1e-5);
     CLOSE(met_at(2.0, 0), 3.0, 1e-5);
-    /* With friction on the floor the pair's own equation of motion says what is lost: 0.655 % at 0.1 m/s, 0.0643 % at 1 m/s. */
+    /* With friction on the floor the pair's own equation of motion says what is lost: 0.655 % at 0.1 m/s, 0.0643 % at 1
+     * m/s. */
     const struct scree_normal_law *law = scree_normal_laws[scree_find_normal_law("linear-loading")];
     scree_contact_def def = {.normal = {"linear-loading", 2, {{"stiffness", 1e5}, {"restitution", 0.5}}}};
     struct scree_rule rule;
@@ -150,8 +151,8 @@ static void test_restitution(void) {
         struct scree_impact impact =
             scree_impact(law, &rule.normal_constants, pair, 0.03, speed, 0.3 * 0.03 * 9.81, NULL, NULL);
         NEAR(100.0 * (0.5 - impact.restitution) / 1.5, n ? 0.0643 : 0.655, n ? 5e-5 : 5e-4);
-        /* Velocities are predicted from the last step, so friction sets in up to two steps late; and the parting is noticed
-         * up to a step late: three steps of mu_k g. */
+        /* Velocities are predicted from the last step, so friction sets in up to two steps late; and the parting is
+         * noticed up to a step late: three steps of mu_k g. */
         NEAR(met_at(speed, 1), (1.0 + impact.restitution) * speed, 3.0 * 1e-6 * 0.3 * 9.81);
     }
 }
@@ -232,8 +233,8 @@ static double worst_balance(const char *text, const char *const *changes, int co
     return worst / turned;
 }
 
-/* A sphere that is thrown at a floor slantwise, with a dashpot in the friction law: friction only takes energy, and what is left
- * doesn't hang on the step. */
+/* A sphere that is thrown at a floor slantwise, with a dashpot in the friction law: friction only takes energy, and
+ * what is left doesn't hang on the step. */
 static void test_friction_takes_energy(void) {
     static const char text[] =
         "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-6\n[output]\nwrite = [\"energy.csv\"]\n"
@@ -273,8 +274,8 @@ static void test_borders(void) {
     static const char *const over[] = {"body.ball.position=[0.23, 0, 0.018]"};
     static const char *const beneath[] = {"body.ball.position=[0.25, 0, 0.0101]", "body.ball.velocity=[-0.5, 0, 0]",
                                           "body.plate.position=[0.15, 0, 0.03]", "body.ball.shape={sphere=0.009}"};
-    /* The step resolves a contact of 2 ms by 2000 steps: the books are right to some (pi/2000)^2/12 of what they turn over,
-     * and to first order in the share of a step where contacts begin. */
+    /* The step resolves a contact of 2 ms by 2000 steps: the books are right to some (pi/2000)^2/12 of what they turn
+     * over, and to first order in the share of a step where contacts begin. */
     CHECK(worst_balance(text, NULL, 0, 120000, 20) < 1e-4);
     CHECK(worst_balance(text, over, 1, 120000, 20) < 1e-4);
     CHECK(worst_balance(text, beneath, 4, 120000, 20) < 1e-4);
@@ -285,7 +286,8 @@ static void test_borders(void) {
     CHECK(worst_balance(text, bar, 4, 200000, 20) < 1e-6);
 }
 
-/* Cubes that are just as large stand on each other, and bounce off each other edge on edge; too fast ones don't pass unnoticed. */
+/* Cubes that are just as large stand on each other, and bounce off each other edge on edge; too fast ones don't pass
+ * unnoticed. */
 static void test_cubes(void) {
     static const char text[] =
         "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\n"
@@ -323,7 +325,8 @@ static void test_cubes(void) {
 /* ---- rest ---- */
 
 static void test_rest(void) {
-    /* A product that sticks on a slope below the critical angle doesn't creep: no motion beyond rounding in 1e6 steps. */
+    /* A product that sticks on a slope below the critical angle doesn't creep: no motion beyond rounding in 1e6
+     * steps. */
     const char *sticks[] = {
         "contact.0.friction={law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=4e5, damping=250.0}",
         "motion.slope.velocity=0", "motion.slope.offset=0.25"};
@@ -333,7 +336,8 @@ static void test_rest(void) {
     go(scene, 1000000);
     NEAR(state_of(scene, "product").position[0], x, 1e-15);
     CHECK(fabs(state_of(scene, "product").velocity[0]) < 1e-15);
-    /* Along z a velocity of less than half a unit of the position's last place a step, 4e-19 m/1e-5 s, moves nothing. */
+    /* Along z a velocity of less than half a unit of the position's last place a step, 4e-19 m/1e-5 s, moves
+     * nothing. */
     CHECK(fabs(state_of(scene, "product").velocity[2]) < 1e-13);
     scree_scene_destroy(scene);
 }
@@ -504,9 +508,10 @@ static void test_books_begin(void) {
     scree_scene_destroy(kept);
 }
 
-/* Hashes that must come out the same from every compiler, at every optimisation, for every instruction set. The scenes use
- * no function of the maths library but the square root. */
-/* What was listed before, and is no longer after restoring, leaves no trace: a box was near, the spheres' arms turn nothing. */
+/* Hashes that must come out the same from every compiler, at every optimisation, for every instruction set. The scenes
+ * use no function of the maths library but the square root. */
+/* What was listed before, and is no longer after restoring, leaves no trace: a box was near, the spheres' arms turn
+ * nothing. */
 static void test_restore_forgets_lists(void) {
     static const char text[] =
         "gravity = [0, 0.3, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-4\n"
@@ -612,8 +617,8 @@ static double swing_at(double factor, double damping, int *refused) {
     return largest;
 }
 
-/* Stable 2 % below the limit, unstable 2 % above, where the swing grows or falls by at least 0.5 % a step: by e^5 and more in 1000
- * steps, from the kick of some 1e-5 m that the first step gives a ball on a dashpot. */
+/* Stable 2 % below the limit, unstable 2 % above, where the swing grows or falls by at least 0.5 % a step: by e^5 and
+ * more in 1000 steps, from the kick of some 1e-5 m that the first step gives a ball on a dashpot. */
 static void test_stability_limit(void) {
     static const double damping[] = {0.0, 0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0}; /* 2 zeta */
     for (size_t k = 0; k < sizeof damping / sizeof damping[0]; k++) {
@@ -627,8 +632,8 @@ static void test_stability_limit(void) {
     }
 }
 
-/* A ball that can't turn swings sideways on a friction spring, 1 kg at 1000 rad/s; the normal spring is soft. What the logarithm of
- * its amplitude grows by in a step; NAN if the step is refused. */
+/* A ball that can't turn swings sideways on a friction spring, 1 kg at 1000 rad/s; the normal spring is soft. What the
+ * logarithm of its amplitude grows by in a step; NAN if the step is refused. */
 static double growth_of_stretch(double turn, double ratio) {
     char text[2048];
     snprintf(

@@ -1,4 +1,5 @@
-/* contact/: friction and rolling laws against tables, closed forms and the second law; one at a time and in the engine. */
+/* contact/: friction and rolling laws against tables, closed forms and the second law; one at a time and in the
+ * engine. */
 #include "tests/scenes.h"
 
 static const struct scree_pair_constants no_pair = {{0.0}};
@@ -317,8 +318,8 @@ static void test_drift(void) {
 
 /* ---- energy ---- */
 
-/* Whatever the state, a step takes energy out at constant overlap, in any direction. Bristles without exception; a slider unless
- * the ball already moves along the force on it (the step in which the slip turns round). */
+/* Whatever the state, a step takes energy out at constant overlap, in any direction. Bristles without exception; a
+ * slider unless the ball already moves along the force on it (the step in which the slip turns round). */
 static void test_takes_energy(void) {
     uint64_t seed = 12;
     for (int l = 0; scree_friction_laws[l]; l++) {
@@ -356,8 +357,8 @@ static void test_takes_energy(void) {
     }
 }
 
-/* A contact with Mindlin's stiffness sheared to and fro at constant load: k_t x while it sticks, and 4 mu N (A - mu N/k_t) J
- * lost per cycle once it slides. */
+/* A contact with Mindlin's stiffness sheared to and fro at constant load: k_t x while it sticks, and 4 mu N (A - mu
+ * N/k_t) J lost per cycle once it slides. */
 static void test_mindlin_cycles(void) {
     static const char *const names[] = {"mindlin", "mindlin-incremental", "mindlin-rescaled"};
     const double shear = 1e9, lever = 0.01, overlap = 4e-6, normal = 2.0, mu = 0.3;
@@ -382,14 +383,16 @@ static void test_mindlin_cycles(void) {
             if (s >= steps / 4) lost[(s - steps / 4) / steps] -= h * state.force.x * at.velocity.x;
             x = next;
         }
-        /* The border between sticking and sliding falls somewhere in a step, which is 1e-3 of the way at most: its square. */
+        /* The border between sticking and sliding falls somewhere in a step, which is 1e-3 of the way at most: its
+         * square. */
         CLOSE(lost[0], 4.0 * mu * normal * (amplitude - mu * normal / k), 1e-5);
         CLOSE(lost[1], 4.0 * mu * normal * (amplitude - mu * normal / k), 1e-5);
     }
 }
 
-/* Stretch x at overlap 4d, then the load falls to overlap d: the force falls by half with the memory in the stretch, and stays with it in
- * the force. Going back by x, the second leaves k(d) x - k(4d) x, and so has given more than was put in: k(4d) x^2/2 - k(d) x^2/2. */
+/* Stretch x at overlap 4d, then the load falls to overlap d: the force falls by half with the memory in the stretch,
+ * and stays with it in the force. Going back by x, the second leaves k(d) x - k(4d) x, and so has given more than was
+ * put in: k(4d) x^2/2 - k(d) x^2/2. */
 static void test_mindlin_memories(void) {
     static const char *const names[] = {"mindlin", "mindlin-incremental"};
     const double shear = 1e9, overlap = 1e-6, x = 1e-8, h = 1e-6;
@@ -416,9 +419,10 @@ static void test_mindlin_memories(void) {
     }
 }
 
-/* The same way with the force rescaled while the load falls, in steps: stretched by x at overlap d, pressed to 4d (the force stays),
- * released to d (it falls to half of that), and back to where no force is left, x/2: (1 - 1/4) k x^2/2 are lost. In steps
- * of half a step's growth each, the shares of a way multiply up to the whole, so rounding is all that is left. */
+/* The same way with the force rescaled while the load falls, in steps: stretched by x at overlap d, pressed to 4d (the
+ * force stays), released to d (it falls to half of that), and back to where no force is left, x/2: (1 - 1/4) k x^2/2
+ * are lost. In steps of half a step's growth each, the shares of a way multiply up to the whole, so rounding is all
+ * that is left. */
 static void test_mindlin_rescaled(void) {
     const double shear = 1e9, overlap = 1e-6, x = 1e-8, h = 1e-6;
     const int steps = 1000;
@@ -479,7 +483,8 @@ static void test_inclines(void) {
             struct slope_case c = {
                 .friction = law, .angle = check_number(table, row, "alpha_deg") * degree, .step = 5e-6};
             accelerations(&c, 0.01, 0.03, &along, &turning);
-            /* A block: friction is mu N to rounding, where it slides; rest to what is left of the start, e^-75 of it. */
+            /* A block: friction is mu N to rounding, where it slides; rest to what is left of the start, e^-75 of
+             * it. */
             NEAR(along, check_number(table, row, "a_block"), 1e-8);
             c.turns = 1;
             accelerations(&c, 0.01, 0.03, &along, &turning);
@@ -506,7 +511,8 @@ static void test_rolling_on_flat(void) {
             struct slope_case c = {.friction = no_slip, .rolling = law, .turns = 1, .speed = v0, .step = 5e-6};
             c.spin[1] = v0 / radius;
             accelerations(&c, 0.02, 0.06, &along, &turning);
-            /* The lever is shorter than R by 2e-6 of it; the rolling spring and the spring of friction take 1e-8 m to stretch. */
+            /* The lever is shorter than R by 2e-6 of it; the rolling spring and the spring of friction take 1e-8 m to
+             * stretch. */
             CLOSE(-along, check_number(table, row, "deceleration"), 2e-5);
             CLOSE(-turning, check_number(table, row, "deceleration"), 2e-5);
             if (stop > 0.8) continue;
@@ -574,8 +580,8 @@ struct cycle {
     double period, highest, lowest, slowest; /* s, m, m, m/s */
 };
 
-/* The textbook's oscillator, stepped as the engine steps: forces in the middle of a step, from a velocity predicted with the forces of
- * the step before. The last but one of five cycles. */
+/* The textbook's oscillator, stepped as the engine steps: forces in the middle of a step, from a velocity predicted
+ * with the forces of the step before. The last but one of five cycles. */
 static struct cycle belt_cycle(const struct friction *f, const struct check_table *table, int row, double step) {
     double k = check_number(table, row, "k"), m = check_number(table, row, "m"), belt = check_number(table, row, "V");
     double x = check_number(table, row, "x_restick"), v = belt, acceleration = 0.0, begun = 0.0;
@@ -623,8 +629,8 @@ static double belt_error(const struct check_table *table, int row, double ratio,
     return fmax(error, fabs(c.slowest - check_number(table, row, "v_min")) / speed);
 }
 
-/* The spring that holds bends by k/k_t of the way, at 1e3, 1e4 and 1e5: a few times that is the error, and the step, which
- * goes with its root, adds its square. */
+/* The spring that holds bends by k/k_t of the way, at 1e3, 1e4 and 1e5: a few times that is the error, and the step,
+ * which goes with its root, adds its square. */
 static void test_belt(void) {
     struct check_table *table = check_read("stick_slip_oscillator.csv");
     for (int row = 0; row < table->rows; row++) {
@@ -678,7 +684,8 @@ static void test_walton(void) {
         snprintf(friction[1], sizeof friction[1],
                  "law = \"coulomb\", static = %.17g, kinetic = %.17g, stiffness = %.17g", mu, mu, stiffness);
         slid++;
-        /* A dashpot's force jumps at the first touch, faster than any spring can follow: elastic impacts only for coulomb. */
+        /* A dashpot's force jumps at the first touch, faster than any spring can follow: elastic impacts only for
+         * coulomb. */
         for (int l = 0; l < (e == 1.0 ? 2 : 1); l++)
             for (int n = 0; n < 3; n++) {
                 struct oblique c = {normal, friction[l], tangent, mass, duration / (100 << (2 * n))};
@@ -693,7 +700,8 @@ static void test_walton(void) {
     }
     CHECK(slid > 15);
     for (int n = 0; n < 3; n++) {
-        /* Friction is mu times the normal force to rounding, so the error is that of the restitution: of second order. The lever is left. */
+        /* Friction is mu times the normal force to rounding, so the error is that of the restitution: of second order.
+         * The lever is left. */
         NEAR(worst[0][n], 0.0, 0.012 * pow(16.0, -n) + 2e-6);
         NEAR(worst[1][n], 0.0, 2e-6);
     }
@@ -726,7 +734,8 @@ static void test_oblique_mindlin(void) {
         rows++;
     }
     CHECK(rows > 100);
-    /* At 100, 400 and 1600 steps: where a slide ends inside a step, its stretch is off by part of that step; of first order. */
+    /* At 100, 400 and 1600 steps: where a slide ends inside a step, its stretch is off by part of that step; of first
+     * order. */
     for (int l = 0; l < 2; l++)
         for (int n = 0; n < 3; n++) NEAR(worst[l][n], 0.0, 0.008 * pow(4.0, -n));
     free(table);
@@ -734,8 +743,8 @@ static void test_oblique_mindlin(void) {
 
 /* ---- stability ---- */
 
-/* At nine tenths of the limit that the laws' slope, stiffness and damping give, a pushed ball doesn't run away; with the
- * stiffest part of each kind of law in turn beyond the normal law's. */
+/* At nine tenths of the limit that the laws' slope, stiffness and damping give, a pushed ball doesn't run away; with
+ * the stiffest part of each kind of law in turn beyond the normal law's. */
 static void test_stable_steps(void) {
     static const char *const cases[][2] = {
         {"law = \"coulomb\", static = 5, kinetic = 5, stiffness = 1e7", NULL},
@@ -807,7 +816,8 @@ static scree_scene *balls(const char *friction) {
     return scene_from(text, NULL, 0, 0);
 }
 
-/* What laws remember is carried over when lists are made anew, and saved and restored: the same bits. The books balance. */
+/* What laws remember is carried over when lists are made anew, and saved and restored: the same bits. The books
+ * balance. */
 static void test_memory(void) {
     static const double skins[] = {0.001, 0.004, 0.02};
     for (int l = 0; scree_friction_laws[l]; l++) {
@@ -846,7 +856,8 @@ static void test_memory(void) {
     }
 }
 
-/* Two balls that meet spinning, without gravity: a rolling law keeps momentum and angular momentum, and the books balance. */
+/* Two balls that meet spinning, without gravity: a rolling law keeps momentum and angular momentum, and the books
+ * balance. */
 static void test_rolling_momentum(void) {
     for (int l = 0; scree_rolling_laws[l]; l++) {
         char text[1600];

@@ -1,4 +1,5 @@
-/* contact/encounter: oblique impacts of one pair against closed forms and 40-digit tables, and energy for every pair of laws. */
+/* contact/encounter: oblique impacts of one pair against closed forms and 40-digit tables, and energy for every pair of
+ * laws. */
 #include "contact/encounter.h"
 #include "contact/impact.h"
 
@@ -75,9 +76,10 @@ static void check_sliding(const struct check_table *table, int row, scree_law_ch
     check_books(&e, &after);
 }
 
-/* The rows that slide; those that roll are of a contact without a tangential spring (beta0 = 0), which no law here has. A spring
- * slides from the first touch on where the normal force begins like the spring's: with Hertz's contact and a damping that
- * vanishes with it. Where the normal force jumps (a dashpot), a spring must be stretched before it slides. */
+/* The rows that slide; those that roll are of a contact without a tangential spring (beta0 = 0), which no law here has.
+ * A spring slides from the first touch on where the normal force begins like the spring's: with Hertz's contact and a
+ * damping that vanishes with it. Where the normal force jumps (a dashpot), a spring must be stretched before it
+ * slides. */
 static void test_sliding(void) {
     struct check_table *table = check_read("walton_rigid_sliding.csv");
     int slid = 0;
@@ -98,8 +100,8 @@ static void test_sliding(void) {
     free(table);
 }
 
-/* Hertz's contact, damped by Tsuji's dashpot, with Mindlin's spring in both forms. Everything but kappa, mu, e and the angle
- * scales out. */
+/* Hertz's contact, damped by Tsuji's dashpot, with Mindlin's spring in both forms. Everything but kappa, mu, e and the
+ * angle scales out. */
 static void test_hertz_mindlin(void) {
     struct check_table *table = check_read("oblique_hertz_mindlin_noslip.csv");
     CHECK(table->rows > 200);
@@ -190,8 +192,8 @@ static struct scree_encounter two_spheres(double radius, double other, double de
     return e;
 }
 
-/* Chung & Ooi 7 and 8: spheres with opposite spins roll on each other, which takes nothing; unequal spheres slide throughout
- * when the spin is large, by the impulse mu (1 + e) m u/... of rigid bodies. */
+/* Chung & Ooi 7 and 8: spheres with opposite spins roll on each other, which takes nothing; unequal spheres slide
+ * throughout when the spin is large, by the impulse mu (1 + e) m u/... of rigid bodies. */
 static void test_chung_ooi_pairs(void) {
     struct scree_rule rule = elastic_rule(7e10, 0.33, 0, 0.5, 0.4);
     struct scree_encounter e = two_spheres(0.1, 0.1, 2700.0, 0.0, 0.2);
@@ -216,7 +218,8 @@ static void test_chung_ooi_pairs(void) {
     check_books(&e, &after);
 }
 
-/* A corner of a box on a frictionless plane: mass and inertia at the corner decide; the rigid body's impulse for any spring. */
+/* A corner of a box on a frictionless plane: mass and inertia at the corner decide; the rigid body's impulse for any
+ * spring. */
 static void test_box_corner(void) {
     struct check_table *table = check_read("box_corner_impulse_3d.csv");
     struct scree_rule rule =
@@ -244,7 +247,8 @@ static void test_box_corner(void) {
     }
     CHECK(rows >= 3);
     free(table);
-    /* An edge, as a box so thin that its two corners are one; the rigid limit, which a spring at a fixed arm has exactly. */
+    /* An edge, as a box so thin that its two corners are one; the rigid limit, which a spring at a fixed arm has
+     * exactly. */
     table = check_read("box_edge_impact_2d.csv");
     box = (scree_shape){.kind = SCREE_BOX, .edge = {0.2, 1e-9, 0.1}};
     rows = 0;
@@ -298,7 +302,8 @@ static scree_law_choice plausible_choice(const struct scree_law_text *text, int 
     return choice;
 }
 
-/* Forces for the law "table": a spring of 1e5 N/m, and up to 20 N more or less where bodies approach or part at 1 m/s. */
+/* Forces for the law "table": a spring of 1e5 N/m, and up to 20 N more or less where bodies approach or part at 1
+ * m/s. */
 static const double overlaps[] = {0.0, 1e-3}, speeds[] = {-1.0, 0.0, 1.0},
                     forces[] = {0.0, 0.0, 0.0, 80.0, 100.0, 120.0};
 static const scree_force_table measured = {2, 3, overlaps, speeds, forces};
@@ -334,7 +339,8 @@ static struct scree_encounter any_encounter(uint64_t *seed) {
 }
 
 /* The largest force of spring and dashpot, which comes before the turning point:
- * F/(m v w) = exp(-z t)(2 z cos(q t) + (1 - 2 z^2)/q sin(q t)) at tan(q t) = (1 - 4 z^2) q/(z (3 - 4 z^2)), q = sqrt(1 - z^2). */
+ * F/(m v w) = exp(-z t)(2 z cos(q t) + (1 - 2 z^2)/q sin(q t)) at tan(q t) = (1 - 4 z^2) q/(z (3 - 4 z^2)), q = sqrt(1
+ * - z^2). */
 static void test_largest_force(void) {
     double m = 0.02, stiffness = 1e5, speed = 0.8;
     for (double z = 0.05; z < 0.5; z += 0.1) {
@@ -364,8 +370,8 @@ static void test_head_on(void) {
     }
 }
 
-/* Energy that a spring gains by its change of stiffness alone while what is kept of it stays: F^2/(2 k), k ~ sqrt(d), with the
- * stretch kept (sign 1) or the force (-1). */
+/* Energy that a spring gains by its change of stiffness alone while what is kept of it stays: F^2/(2 k), k ~ sqrt(d),
+ * with the stretch kept (sign 1) or the force (-1). */
 struct stiffening {
     const struct scree_rule *rule;
     struct scree_pair_constants pair;
@@ -385,9 +391,9 @@ static void watch_stiffening(void *context, const struct scree_moment *moment) {
     s->rate = rate;
 }
 
-/* No impact gains energy. The springs of "mindlin" and "mindlin-incremental" are passive at constant load only, as published
- * (their headers say why): these may gain what their changing stiffness gives them, which is reckoned beside, by the
- * trapezoidal rule over some hundred steps (1e-2 of the turnover, with room), and not more. */
+/* No impact gains energy. The springs of "mindlin" and "mindlin-incremental" are passive at constant load only, as
+ * published (their headers say why): these may gain what their changing stiffness gives them, which is reckoned beside,
+ * by the trapezoidal rule over some hundred steps (1e-2 of the turnover, with room), and not more. */
 static double check_energy(const struct scree_rule *rule, uint64_t *seed) {
     const char *press = scree_normal_laws[rule->normal]->text.name;
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];

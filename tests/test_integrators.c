@@ -1,8 +1,8 @@
-/* The fixed-step integrators: largest errors over phases of first touch with steps that don't divide the contact's duration
- * (whole numbers flatter: touch and release are then complementary), orders, rest, books, restart, threads.
+/* The fixed-step integrators: largest errors over phases of first touch with steps that don't divide the contact's
+ * duration (whole numbers flatter: touch and release are then complementary), orders, rest, books, restart, threads.
  *
- * The bounds are those of prototypes of the method, as documented where they are used; they are met with room for laws that
- * are smooth inside the contact. "N" is the number of steps in the duration of the contact. */
+ * The bounds are those of prototypes of the method, as documented where they are used; they are met with room for laws
+ * that are smooth inside the contact. "N" is the number of steps in the duration of the contact. */
 #include "contact/impact.h"
 #include "tests/scenes.h"
 
@@ -42,8 +42,8 @@ static const char ball_on_wall[] =
 struct binary {
     const char *law;
     double restitution;
-    /* That theory promises for the rms over the phases: Runge-Kutta's, 4, and 5 where the elastic terms of that order cancel. 0:
-     * the law isn't smooth where contact begins, errors are below 1e-6 and no single power. */
+    /* That theory promises for the rms over the phases: Runge-Kutta's, 4, and 5 where the elastic terms of that order
+     * cancel. 0: the law isn't smooth where contact begins, errors are below 1e-6 and no single power. */
     double order;
 };
 
@@ -121,7 +121,8 @@ static struct scree_impact exactly(const char *law) {
     return impact;
 }
 
-/* The bounds of test_binary hold for every law of the catalogue, with its example, and where its formula changes inside the contact. */
+/* The bounds of test_binary hold for every law of the catalogue, with its example, and where its formula changes inside
+ * the contact. */
 static void test_every_law(void) {
     static const char *const more[] = {
         "law=\"thornton\", modulus=1e8, yield=2e6",
@@ -153,8 +154,8 @@ static void test_every_law(void) {
     }
 }
 
-/* Laws that remember, attach, or let go in a jump, beside Verlet's limit (2e-3 at 20 steps a contact, so 2e-7 at 2000); the books lack as
- * little as the path errs. */
+/* Laws that remember, attach, or let go in a jump, beside Verlet's limit (2e-3 at 20 steps a contact, so 2e-7 at 2000);
+ * the books lack as little as the path errs. */
 static void test_remembering(void) {
     static const char *const laws[] = {
         "law=\"walton-braun\", stiffness=1e5, restitution=0.5",
@@ -239,8 +240,8 @@ static double worst_row(int count, const char *law, double duration, double n, c
     return worst;
 }
 
-/* Second order, from the extrapolated accelerations. The bounds are those that the prototypes of the method attained with the
- * worst of these laws. */
+/* Second order, from the extrapolated accelerations. The bounds are those that the prototypes of the method attained
+ * with the worst of these laws. */
 static void test_rows(void) {
     static const char *const laws[] = {
         "law=\"linear-cut\", stiffness=1e6, restitution=0.5",
@@ -306,8 +307,8 @@ static void strike(double degrees, const char *laws, double step, double phase, 
     scree_scene_destroy(scene);
 }
 
-/* The same impact by small steps of the plainest kind (error 1e-6 and less), independent of the engine but for the normal law:
- * a spring of 8e4 N/m behind a slider of 0.3, at the middle of the overlap. */
+/* The same impact by small steps of the plainest kind (error 1e-6 and less), independent of the engine but for the
+ * normal law: a spring of 8e4 N/m behind a slider of 0.3, at the middle of the overlap. */
 static void strike_plainly(double degrees, const char *laws, double *velocity) {
     char text[2048];
     double angle = degrees * 3.14159265358979323846 / 180.0, step = 1e-8, radius = 0.01, mass = 0.03;
@@ -338,7 +339,8 @@ static void strike_plainly(double degrees, const char *laws, double *velocity) {
 struct oblique {
     const char *laws;
     double duration;
-    int wide; /* 1, 2: these laws go several at once, with every change between sticking and sliding located; 2: force sets in as a root */
+    int wide; /* 1, 2: these laws go several at once, with every change between sticking and sliding located; 2: force
+                 sets in as a root */
 };
 
 /* Largest error over angles and phases at `n` steps a contact. */
@@ -353,11 +355,12 @@ static double worst_strike(const struct oblique *o, double n, int substeps, doub
     return worst;
 }
 
-/* Bounds. Of laws that go several at once: Runge-Kutta's phase error over half an oscillation of the tangential spring of angular
- * frequency w = 3100/s, pi (w h)^4/120 of the speed, with two substeps at 20 steps a contact, one at 50, and four: 9e-6, 3.6e-6;
- * 5e-7, 1.4e-8. Where force sets in as a root of the overlap, the clock of the root errs by as much whatever the substeps are: its first step
- * is of a quarter of the root, and what it misses there goes like the impulse of a step. Of others, bounds are those of the prototype's worst
- * law, 1.6e-3 and 2.4e-4 with two substeps, 4.3e-4 and 6.6e-5 with four; second order. */
+/* Bounds. Of laws that go several at once: Runge-Kutta's phase error over half an oscillation of the tangential spring
+ * of angular frequency w = 3100/s, pi (w h)^4/120 of the speed, with two substeps at 20 steps a contact, one at 50, and
+ * four: 9e-6, 3.6e-6; 5e-7, 1.4e-8. Where force sets in as a root of the overlap, the clock of the root errs by as much
+ * whatever the substeps are: its first step is of a quarter of the root, and what it misses there goes like the impulse
+ * of a step. Of others, bounds are those of the prototype's worst law, 1.6e-3 and 2.4e-4 with two substeps, 4.3e-4
+ * and 6.6e-5 with four; second order. */
 static void test_oblique(void) {
     static const struct oblique cases[] = {
         {"normal = { law=\"linear-cut\", stiffness=1e5, restitution=0.5 }\nfriction = { law=\"coulomb\", static=0.3, "
@@ -433,8 +436,8 @@ static void roll(double step, const char *integrator, double numbers[3], double 
     scree_scene_destroy(scene);
 }
 
-/* The resistance is evaluated once a step, at its middle: second order, so a quarter of the error with half the step, and
- * the same limit as the other integrator's. */
+/* The resistance is evaluated once a step, at its middle: second order, so a quarter of the error with half the step,
+ * and the same limit as the other integrator's. */
 static void test_rolling(void) {
     double fine[3], coarse[3], half[3], verlet[3], ignored, imbalance;
     roll(1e-6, pair_impulse, fine, &ignored);
@@ -468,8 +471,8 @@ static void watch(scree_scene *scene, long steps, double *speed, double *way) {
     }
 }
 
-/* Ten spheres on each other, each overlap that of the weight above. Speeds are rounding: a position of 0.2 m can't balance
- * forces better than to its last digit, 2.8e-17 m, and is moved by one such digit within a step of 6 ms. */
+/* Ten spheres on each other, each overlap that of the weight above. Speeds are rounding: a position of 0.2 m can't
+ * balance forces better than to its last digit, 2.8e-17 m, and is moved by one such digit within a step of 6 ms. */
 static void check_stack(const char *integrator) {
     enum { COUNT = 10 };
     char text[4096];
@@ -540,8 +543,8 @@ static void test_notch(void) {
     }
 }
 
-/* A column that is shaken calms down at 0.9 of the step limit, and not at 4 times: the limit is that of blocks with twelve
- * neighbours each, so columns bear up to three times as much. */
+/* A column that is shaken calms down at 0.9 of the step limit, and not at 4 times: the limit is that of blocks with
+ * twelve neighbours each, so columns bear up to three times as much. */
 static void test_limit(void) {
     static const double restitution[] = {0.95, 0.85, 0.5, 0.2, 0.02}, part[] = {0.9, 4.0};
     for (int k = 0; k < 10; k++) {
@@ -575,9 +578,9 @@ static void test_limit(void) {
 
 /* ---- books ---- */
 
-/* A box that falls on a corner, rolls over and slides, with a dashpot in friction: the books are sums over the stages, so they
- * close as well as the path is followed; and halving the step quarters the error, near enough through several impacts
- * and many changes between sticking and sliding. */
+/* A box that falls on a corner, rolls over and slides, with a dashpot in friction: the books are sums over the stages,
+ * so they close as well as the path is followed; and halving the step quarters the error, near enough through several
+ * impacts and many changes between sticking and sliding. */
 static void test_books(void) {
     static const char text[] =
         "gravity = [0, 0, -9.81]\n[time]\nend = 0.2\n[[material]]\nname = \"m\"\ndensity = 1000\n"
@@ -644,7 +647,8 @@ static void test_same_bits(void) {
     free(text);
 }
 
-/* `balls` balls fall on a wall obliquely, each at its own time and far from the others, and the last third of them in pairs on each other. */
+/* `balls` balls fall on a wall obliquely, each at its own time and far from the others, and the last third of them in
+ * pairs on each other. */
 static char *rain_text(int balls, const char *laws) {
     char *text = malloc((size_t)balls * 320 + 1024);
     int used = sprintf(

@@ -340,8 +340,8 @@ static void test_coulomb(void) {
     CHECK(scree_creep_speed(law, &rule.friction_constants, 0.1) == 0.0);
 }
 
-/* Whatever the state, a step takes energy out: spring, dashpot and slider in a row are passive, and so is the scheme (unless
- * the ball already moves along the force on it: the step in which the slip turns round). */
+/* Whatever the state, a step takes energy out: spring, dashpot and slider in a row are passive, and so is the scheme
+ * (unless the ball already moves along the force on it: the step in which the slip turns round). */
 static void test_coulomb_takes_energy(void) {
     static const double dampings[] = {0.0, 0.1, 2.0, 50.0};
     uint64_t seed = 11;
@@ -367,8 +367,8 @@ static void test_coulomb_takes_energy(void) {
     CHECK(slid > 500);
 }
 
-/* A load that falls while the slip turns round and the spring unloads faster still: it holds at once, and gives back no more
- * than it had stored. */
+/* A load that falls while the slip turns round and the spring unloads faster still: it holds at once, and gives back no
+ * more than it had stored. */
 static void test_coulomb_unloads(void) {
     for (int damped = 0; damped <= 1; damped++) {
         const struct scree_friction_law *law;

@@ -1,4 +1,5 @@
-/* solver/lm: test problems with known optima, cost, bounds, bad input and hard outcomes, covariance, losses, differences. */
+/* solver/lm: test problems with known optima, cost, bounds, bad input and hard outcomes, covariance, losses,
+ * differences. */
 #include "solver/lm.h"
 
 #include "bench/problems.h"
@@ -36,7 +37,8 @@ static int same_outcome(const scree_lm_outcome *a, const scree_lm_outcome *b) {
            a->cosine == b->cosine && a->last_step == b->last_step;
 }
 
-/* Solve twice, the workspace full of zeros and of NaN: the same in every bit, whatever was there and was solved before. */
+/* Solve twice, the workspace full of zeros and of NaN: the same in every bit, whatever was there and was solved
+ * before. */
 static scree_lm_outcome solve(const scree_lm_problem *problem, const scree_lm_options *options, double *x) {
     double again[SCREE_LM_UNKNOWNS];
     size_t size = (size_t)problem->unknowns * sizeof *x;
@@ -66,8 +68,8 @@ static double reference_calls(const struct check_table *table, int row, const ch
     return check_number(table, row, "residual_calls") + check_number(table, row, "jacobian_calls");
 }
 
-/* Every parameter of every run to 9.5 digits and more, which is more than double precision gives to a test of the sum of
- * squares; and for fewer calls than lmder at machine-precision tolerances needs in total. */
+/* Every parameter of every run to 9.5 digits and more, which is more than double precision gives to a test of the sum
+ * of squares; and for fewer calls than lmder at machine-precision tolerances needs in total. */
 static void test_nist(void) {
     struct check_table *table = check_read("lmder_costs.csv");
     double sum_log = 0.0, total = 0.0, total_reference = 0.0, least = 17.0;
@@ -233,8 +235,9 @@ static int within(const struct bounded *b, const double *x) {
     return 1;
 }
 
-/* Solved: within the bounds, and a point where the gradient's projection vanishes. A promised relative reduction of F below 1e-10,
- * the solver's test, leaves a cosine of at most sqrt(1e-10); where the residual itself vanishes there is no direction to ask. */
+/* Solved: within the bounds, and a point where the gradient's projection vanishes. A promised relative reduction of F
+ * below 1e-10, the solver's test, leaves a cosine of at most sqrt(1e-10); where the residual itself vanishes there is
+ * no direction to ask. */
 static void test_bounded(void) {
     struct check_table *table = check_read("bounded.csv");
     int runs = 0, solved = 0, best = 0;
@@ -636,7 +639,8 @@ static void test_covariance_at_bound(void) {
     CLOSE(c[3], rss / (LINE_POINTS - 1) / squares, 1e-13);
 }
 
-/* By differences, always central ones, as by the analytic Jacobian: errors of 4e-11 in each, the condition being about 2. */
+/* By differences, always central ones, as by the analytic Jacobian: errors of 4e-11 in each, the condition being
+ * about 2. */
 static void test_covariance_by_differences(void) {
     struct decay d = {0};
     scree_lm_problem problem = decay_problem(&d);
@@ -650,8 +654,9 @@ static void test_covariance_by_differences(void) {
     CHECK(covariance_at(&problem, NULL, x, c, NULL) == -1);
 }
 
-/* NIST's standard deviations, to the 11 digits they are printed with. Beside those: the residual, the difference of model and
- * data, has rounding errors of some eps |y|, which count where the fit is as good as Lanczos1 (|r| = 1e-13). */
+/* NIST's standard deviations, to the 11 digits they are printed with. Beside those: the residual, the difference of
+ * model and data, has rounding errors of some eps |y|, which count where the fit is as good as Lanczos1 (|r| =
+ * 1e-13). */
 static void test_covariance_of_nist(void) {
     for (int index = 0; index < NIST_PROBLEMS; index++) {
         struct nist *nist = &nist_problems[index];
@@ -681,9 +686,10 @@ static double influence(scree_lm_loss loss, double c, double r) {
     return loss == SCREE_LM_CAUCHY ? r / (1.0 + (r / c) * (r / c)) : r;
 }
 
-/* The optimum of a loss: sum influence(r) J = 0, to what an error of 1e-13 in x leaves. Noise of 0.0058 rms gives x1 a standard
- * deviation of 0.0042. Cauchy's loss forgets outliers: five of those. Huber's bounds the pull of each of the seven to c = 0.02, which
- * shifts x1 by the second entry of (J^T J)^-1 sum c J, 0.009: that more. Squares follow the outliers, fifty times as far. */
+/* The optimum of a loss: sum influence(r) J = 0, to what an error of 1e-13 in x leaves. Noise of 0.0058 rms gives x1 a
+ * standard deviation of 0.0042. Cauchy's loss forgets outliers: five of those. Huber's bounds the pull of each of the
+ * seven to c = 0.02, which shifts x1 by the second entry of (J^T J)^-1 sum c J, 0.009: that more. Squares follow the
+ * outliers, fifty times as far. */
 static void test_losses(void) {
     static const struct {
         scree_lm_loss loss;
@@ -737,8 +743,9 @@ static void test_losses_without_outliers(void) {
 
 /* ---- differences ---- */
 
-/* Forward and central, from zero and from corners of the bounds: never a step outside, and the optimum within the bounds that the
- * analytic Jacobian finds. The polish's central differences are good to 4e-11 of J, x therefore to that times the condition. */
+/* Forward and central, from zero and from corners of the bounds: never a step outside, and the optimum within the
+ * bounds that the analytic Jacobian finds. The polish's central differences are good to 4e-11 of J, x therefore to that
+ * times the condition. */
 static void test_differences(void) {
     static const double bounds[][4] = {/* lower, upper of x0 and x1 */
                                        {0.0, 0.0, 3.0, 2.0},  {0.0, 0.0, 2.0, 2.0}, {-1.0, 1.5, 9.0, 9.0},
@@ -771,10 +778,11 @@ static void test_differences(void) {
     }
 }
 
-/* NIST's problems by differences, from the nearer start. An error dJ of the Jacobian moves the optimum by (J^T J)^-1 dJ^T r: in
- * standard deviations by the condition of the columns times |dJ|/|J| n sqrt(m). Central differences with steps of h = 6e-6 |x| have
- * errors of eps |f|/h = 4e-11 and of h^2 f_xxx/6 = 6e-12 (x/l)^2, l being the length over which the model bends: (x/l)^2 is 1e4
- * for Eckerle's narrow peak, less than 100 else. Rounding of the residual comes on top, eps |y|/|r|. */
+/* NIST's problems by differences, from the nearer start. An error dJ of the Jacobian moves the optimum by (J^T J)^-1
+ * dJ^T r: in standard deviations by the condition of the columns times |dJ|/|J| n sqrt(m). Central differences with
+ * steps of h = 6e-6 |x| have errors of eps |f|/h = 4e-11 and of h^2 f_xxx/6 = 6e-12 (x/l)^2, l being the length over
+ * which the model bends: (x/l)^2 is 1e4 for Eckerle's narrow peak, less than 100 else. Rounding of the residual comes
+ * on top, eps |y|/|r|. */
 static void test_differences_of_nist(void) {
     static double j[NIST_ROWS * NIST_PARAMETERS];
     for (int index = 0; index < NIST_PROBLEMS; index++) {
@@ -891,8 +899,9 @@ static unsigned long long hash_of(const double *x, int count) {
     return hash;
 }
 
-/* Every compiler, optimisation and instruction set ends at the same x, on ways of hundreds of steps that any other bit would
- * change. (All problems of NIST but the two that need the maths library: Nelson's logarithm and Roszman1's arctangent.) */
+/* Every compiler, optimisation and instruction set ends at the same x, on ways of hundreds of steps that any other bit
+ * would change. (All problems of NIST but the two that need the maths library: Nelson's logarithm and Roszman1's
+ * arctangent.) */
 static void test_golden(void) {
     FILE *file = fopen(SCREE_DATA "/golden/least_squares.txt", "r");
     CHECK(file != NULL);

@@ -1,5 +1,5 @@
-/* contact/: the normal laws against the reference tables, by closed form and by integration; what every law must keep to; and
- * adhesion in scenes. */
+/* contact/: the normal laws against the reference tables, by closed form and by integration; what every law must keep
+ * to; and adhesion in scenes. */
 #include "contact/ask.h"
 #include "tests/scenes.h"
 
@@ -45,8 +45,8 @@ static double stored_of(const struct normal *n, struct scree_pressing at) {
     return n->law->stored(&n->rule.normal_constants, n->pair, at);
 }
 
-/* ---- the tables. Printed to 15 digits, closed forms agree to a few units of the last one; the integrator's steps are right
- * to 1e-14 each, some hundreds of them to 1e-11 ---- */
+/* ---- the tables. Printed to 15 digits, closed forms agree to a few units of the last one; the integrator's steps are
+ * right to 1e-14 each, some hundreds of them to 1e-11 ---- */
 
 static const double printed = 2e-14, integrated = 1e-11;
 
@@ -281,7 +281,8 @@ static void test_linear_tables(void) {
         if (fabs(zeta - sqrt(0.5)) < 1e-8) zeta = sqrt(0.5); /* which the table prints with 8 digits */
         if (strstr(check_text(table, row, "e_tension"), "never")) expected = 0.0;
         struct normal n = unit_with("linear", "damping", 2.0 * zeta);
-        /* At the end the motion has shrunk to e: what was lost to rounding before counts 1/e times, less what damping forgives. */
+        /* At the end the motion has shrunk to e: what was lost to rounding before counts 1/e times, less what damping
+         * forgives. */
         NEAR(integrate(&n, 1.0).restitution, expected, integrated * (expected < 1e-3 ? 100.0 : 1.0) * expected);
     }
     free(table);
@@ -295,7 +296,8 @@ static void test_walton_table(void) {
         double number = value ? strtod(value + 1, NULL) : NAN, e = check_number(table, row, "e");
         struct normal n = constant ? unit_with("walton-braun", "unloading", number)
                                    : unit_with("walton-braun-variable", "slope", number);
-        /* The way back is 1/e^2 times as stiff: the rounding of the largest overlap counts as much more in its force. */
+        /* The way back is 1/e^2 times as stiff: the rounding of the largest overlap counts as much more in its
+         * force. */
         double tolerance = integrated + 1e-14 / (e * e);
         CLOSE(closed_form(&n, 1.0), e, printed);
         struct scree_impact impact = integrate(&n, 1.0);
@@ -476,8 +478,8 @@ static void test_energy(void) {
     for (int s = 0; s < SAMPLES; s++) {
         struct normal n = make(samples[s], 0.03, 0.01);
         struct seen coarse = walk_all(&n, 2000), fine = walk_all(&n, 8000);
-        /* A continuous force changes a quarter as much in steps a quarter as long, half as much where the speed turns like a
-         * root, a little more where spring and dashpot cancel there; a jump stays. */
+        /* A continuous force changes a quarter as much in steps a quarter as long, half as much where the speed turns
+         * like a root, a little more where spring and dashpot cancel there; a jump stays. */
         CHECK(fine.jump < 0.7 * coarse.jump);
     }
 }
@@ -583,8 +585,8 @@ static void test_jkr_force(void) {
         double d = a * a / radius - sqrt(2.0 * pi * w * a / modulus);
         double f = 4.0 * modulus * a * a * a / (3.0 * radius) - sqrt(8.0 * pi * w * modulus * a * a * a);
         double size = 4.0 * modulus * a * a * a / (3.0 * radius) + 2.0 * pi * w * radius;
-        /* Near the pull-off distance, x = 1, the overlap changes by 6 (x - 1)^2 only: its rounding counts 1/(x - 1) times; at
-         * the distance itself rounding decides whether it still holds. */
+        /* Near the pull-off distance, x = 1, the overlap changes by 6 (x - 1)^2 only: its rounding counts 1/(x - 1)
+         * times; at the distance itself rounding decides whether it still holds. */
         double beyond = sqrt(a / contact) - 1.0;
         if (k > 0)
             NEAR(force_of(&n, (struct scree_pressing){d, 0.0, 0.0, 1.0}).elastic, f, (1e-15 / beyond + 1e-14) * size);
@@ -668,8 +670,8 @@ static void test_reach(void) {
     scree_scene_destroy(scene);
 }
 
-/* In a scene, a weight a little below the pull-off force goes on hanging, one a little above falls: the body starts at the
- * overlap where the law pulls hardest, has been attached before, and is at rest. */
+/* In a scene, a weight a little below the pull-off force goes on hanging, one a little above falls: the body starts at
+ * the overlap where the law pulls hardest, has been attached before, and is at rest. */
 static void check_pull_off(const char *law, double overlap, double pull) {
     const double mass = 1000.0 * 4.0 / 3.0 * 3.14159265358979323846 * 8e-9;
     for (int heavy = 0; heavy < 2; heavy++) {
@@ -711,7 +713,8 @@ static void test_adhesive_impact(void) {
     scree_energy now;
     CHECK(scree_scene_energy(scene, &now) == SCREE_OK);
     CHECK(met && !touching(scene) && now.stored == 0.0);
-    /* The pull sets in and ends with a jump, of up to 1.3 pi w R, anywhere in a step of 1e-6 s: an impulse of that over m u. */
+    /* The pull sets in and ends with a jump, of up to 1.3 pi w R, anywhere in a step of 1e-6 s: an impulse of that over
+     * m u. */
     double tolerance = 1.3 * 3.14159265358979323846 * work_there * radius_there * 1e-6 / (mass * speed);
     NEAR(-scree_scene_body(scene, 1).velocity[2] / speed, e, 2.0 * tolerance);
     NEAR(now.lost_normal / energy, 1.0 - e * e, 4.0 * tolerance);

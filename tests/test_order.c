@@ -50,8 +50,8 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size) {
 
 enum { COUNT = 1500 };
 
-/* Balls of two sizes that fly about in a closed box and rub, a frozen one now and then, some boxes, one ball as large as a hundred, and
- * a wall that shakes. */
+/* Balls of two sizes that fly about in a closed box and rub, a frozen one now and then, some boxes, one ball as large
+ * as a hundred, and a wall that shakes. */
 static char *gas_text(double speed) {
     char *text = malloc(COUNT * 300 + 8192);
     int used = sprintf(text, "%s",
@@ -209,8 +209,8 @@ static struct end end_with_narrow_lists(const char *text, const char *const *cha
     return end;
 }
 
-/* The same bits of bodies and energies whatever works them out: threads, processor, steps at a time, the width of lists, a pause; and
- * measurements change nothing. */
+/* The same bits of bodies and energies whatever works them out: threads, processor, steps at a time, the width of
+ * lists, a pause; and measurements change nothing. */
 static void test_same_bits(const char *const *changes, int count) {
     static const int threads[] = {2, 3, 16};
     static const char *const isa[] = {"baseline", "avx2", "avx512"};
@@ -234,8 +234,8 @@ static void test_same_bits(const char *const *changes, int count) {
     free(text);
 }
 
-/* Fast balls may meet others from slabs that aren't neighbours. Such contacts belong to segment 0, whoever finds them: it is the same for
- * any number of threads. */
+/* Fast balls may meet others from slabs that aren't neighbours. Such contacts belong to segment 0, whoever finds them:
+ * it is the same for any number of threads. */
 static void test_strays(void) {
     enum { MOST = 4000 };
     static struct scree_contact alone[MOST];
@@ -273,8 +273,8 @@ static void test_strays(void) {
     scree_scene_destroy(scene);
 }
 
-/* A run that stops amid its steps leaves the state of that instant, as if its steps had been taken one by one; but positions are reckoned
- * back over half a step, which rounds twice. */
+/* A run that stops amid its steps leaves the state of that instant, as if its steps had been taken one by one; but
+ * positions are reckoned back over half a step, which rounds twice. */
 static void test_stop(void) {
     enum { MOST = 700 };
     char *text = gas_text(1.5);
@@ -296,8 +296,9 @@ static void test_stop(void) {
     free(text);
 }
 
-/* Once lists have grown, a step allocates nothing: neither lists, nor near lists, nor another order. In a gas a list grows now and
- * then all the same; most stretches of 500 steps, with some dozens of outer lists and an ordering each, know nothing of it. */
+/* Once lists have grown, a step allocates nothing: neither lists, nor near lists, nor another order. In a gas a list
+ * grows now and then all the same; most stretches of 500 steps, with some dozens of outer lists and an ordering each,
+ * know nothing of it. */
 static void test_allocations(void) {
     char *text = gas_text(1.0);
     scree_scene *scene = scene_from(text, NULL, 0, 1);

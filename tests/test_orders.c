@@ -1,17 +1,16 @@
-/* Observed orders of convergence of the fixed-step integrators, on the smooth cases of scree-bench precision (bench/precision_cases.c)
- * and variations of them; and the errors of a frictional pile. tests/test_integrators.c has lone impacts of every normal law,
- * rows, cradles and oblique impacts with their bounds.
+/* Observed orders of convergence of the fixed-step integrators, on the smooth cases of scree-bench precision
+ * (bench/precision_cases.c) and variations of them; and the errors of a frictional pile. tests/test_integrators.c has
+ * lone impacts of every normal law, rows, cradles and oblique impacts with their bounds.
  *
- * The order is the slope, by least squares, of the logarithm of the error's root mean square over phases of first touch. What
- * orders are to be expected (h: step):
- *   verlet         2. Where the spring begins as d^(3/2), a step in which the touch falls errs by h^(5/2): 2.5 where nothing of second
- *                  order hides it, so for springs alone, whose second-order error is one of phase and cancels at d = 0.
- *                  Where a dashpot begins as d^(1/4), d^(1/2): 1.25, 1.5.
- *   pair-impulse   that of classical Runge-Kutta, 4, for a lone pair whose law is a polynomial between located ends; 5 where the spring is
- *                  linear and alone (the term of fourth order is in the phase). 2.5 where it begins as d^(3/2), which has no third
- *                  derivative. 2 where a contact needs what others do to its bodies, or friction turns with the normal;
- *                  3 in an elastic row, for the error of extrapolation changes its sign as the bodies turn round.
- *   free body      2: half a turn, a step, half a turn. */
+ * The order is the slope, by least squares, of the logarithm of the error's root mean square over phases of first
+ * touch. What orders are to be expected (h: step): verlet         2. Where the spring begins as d^(3/2), a step in
+ * which the touch falls errs by h^(5/2): 2.5 where nothing of second order hides it, so for springs alone, whose
+ * second-order error is one of phase and cancels at d = 0. Where a dashpot begins as d^(1/4), d^(1/2): 1.25, 1.5.
+ *   pair-impulse   that of classical Runge-Kutta, 4, for a lone pair whose law is a polynomial between located ends; 5
+ * where the spring is linear and alone (the term of fourth order is in the phase). 2.5 where it begins as d^(3/2),
+ * which has no third derivative. 2 where a contact needs what others do to its bodies, or friction turns with the
+ * normal; 3 in an elastic row, for the error of extrapolation changes its sign as the bodies turn round. free body 2:
+ * half a turn, a step, half a turn. */
 #include "tests/scenes.h"
 
 #include "bench/precision.h"
@@ -114,8 +113,8 @@ static const struct {
     {"oblique impact", pair, "contact.0.friction={law=\"coulomb\", static=0.3, kinetic=0.2, stiffness=8e4}", 50, 400,
      4.0},
     {"sphere rolls down an incline", verlet, NULL, 100, 800, 2.0},
-    /* With a given number of substeps: left to itself the integrator takes one or two, whichever the step asks for, and errors
-     * are no single power. */
+    /* With a given number of substeps: left to itself the integrator takes one or two, whichever the step asks for, and
+     * errors are no single power. */
     {"sphere rolls down an incline", pair, "time.substeps=2", 25, 200, 4.0},
     {"sphere slips down an incline", pair, "time.substeps=2", 25, 200, 4.0},
     {"cradle", verlet, NULL, 50, 800, 2.0},
@@ -154,8 +153,8 @@ static void test_orders(void) {
 
 /* ---- the closed forms of the cases ---- */
 
-/* The ball on a spring goes about the rigid one: its slip is off by the stretch at the limit or less, its velocity by twice that
- * times the spring's rate q, its way by that for all the time. */
+/* The ball on a spring goes about the rigid one: its slip is off by the stretch at the limit or less, its velocity by
+ * twice that times the spring's rate q, its way by that for all the time. */
 static void test_rolling_reference(void) {
     struct check_table *slope = check_read("incline_block_and_sphere.csv");
     for (int row = 0; row < slope->rows; row++) {
@@ -182,8 +181,8 @@ static void test_rolling_reference(void) {
     free(slip);
 }
 
-/* Without gravity on the spring a bounce would last pi/omega and leave e of the speed; with it, each is off by parts of 2 g/(omega v)
- * or less, where v > 1.1 m/s. A ball on an elastic spring comes back to where it was. */
+/* Without gravity on the spring a bounce would last pi/omega and leave e of the speed; with it, each is off by parts of
+ * 2 g/(omega v) or less, where v > 1.1 m/s. A ball on an elastic spring comes back to where it was. */
 static void test_bouncing_reference(void) {
     static const double pi = 3.14159265358979323846;
     double numbers[2], zeta = -log(0.9) / hypot(pi, log(0.9)), speed = 2.0;
@@ -202,8 +201,8 @@ static void test_bouncing_reference(void) {
 
 /* ---- a pile ---- */
 
-/* Two spheres rest on a floor, a third falls between them, off the middle: six pairs, friction 0.4. Velocities after 8 times
- * the duration of a contact (a few impacts, each of which doubles errors at most). */
+/* Two spheres rest on a floor, a third falls between them, off the middle: six pairs, friction 0.4. Velocities after 8
+ * times the duration of a contact (a few impacts, each of which doubles errors at most). */
 enum { DISCS = 3, PILE = 3 * DISCS };
 
 struct pile {

@@ -1,4 +1,5 @@
-/* solver/: segments, plans for a rigid product, operating speeds, closed paths, characteristic maps, sensitivities, tables. */
+/* solver/: segments, plans for a rigid product, operating speeds, closed paths, characteristic maps, sensitivities,
+ * tables. */
 #include "solver/conventional.h"
 #include "solver/map.h"
 #include "solver/sensitivity.h"
@@ -45,8 +46,8 @@ static void test_segments(void) {
         struct scree_kinematics from = random_state(&seed), to = random_state(&seed);
         struct scree_segment segment = scree_velocity_segment(d, from.x, from, to);
         struct scree_kinematics a = scree_segment_at(&segment, 0.0), b = scree_segment_at(&segment, d);
-        /* Coefficients of the velocity are below 100 for these ends; jerk multiplies them by up to 20/d^2 = 80 and sums six:
-         * 1e4 roundings of 1e-16. */
+        /* Coefficients of the velocity are below 100 for these ends; jerk multiplies them by up to 20/d^2 = 80 and sums
+         * six: 1e4 roundings of 1e-16. */
         const double rounding = 2e-12;
         NEAR(a.x, from.x, rounding);
         NEAR(a.v, from.v, rounding);
@@ -406,8 +407,8 @@ static void test_bad_tasks(void) {
 static void test_failures(void) {
     for (int f = SCREE_PLAN_A; f <= SCREE_PLAN_B; f++) {
         enum scree_formulation formulation = (enum scree_formulation)f;
-        /* Too slow for these time shares: the product doesn't stay caught. (That the comb would also have to move backwards is
-         * a consequence.) */
+        /* Too slow for these time shares: the product doesn't stay caught. (That the comb would also have to move
+         * backwards is a consequence.) */
         static const double slow[] = {20.0, 60.0, 90.0};
         for (int k = 0; k < 3; k++) {
             scree_plan plan = plan_of(&task, slow[k], formulation);
@@ -519,9 +520,9 @@ static void test_stopped(void) {
 
 static void test_scaled(void) {
     scree_plan design = plan_of(&task, 500.0, SCREE_PLAN_A);
-    /* Values by an independent program: detachment and contact by bisection, positions from the polynomials. Slow: 2.28348
-     * rather than the 2.354 of mu g (L^2 - L_d^2)/2, since the product leaves later (at 0.26153 T); fast: -0.65736, not
-     * -0.64866, since it leaves before event 1 (at 0.24496 T). */
+    /* Values by an independent program: detachment and contact by bisection, positions from the polynomials.
+     * Slow: 2.28348 rather than the 2.354 of mu g (L^2 - L_d^2)/2, since the product leaves later (at 0.26153 T); fast:
+     * -0.65736, not -0.64866, since it leaves before event 1 (at 0.24496 T). */
     NEAR(1e3 * scree_scaled_clearance(&task, &design, 300.0), 2.2834831972, 1e-9);
     NEAR(1e3 * scree_scaled_clearance(&task, &design, 700.0), -0.6573634587, 1e-9);
     NEAR(scree_scaled_clearance(&task, &design, 500.0), 0.0, 1e-15);
@@ -575,7 +576,8 @@ static void test_limits(void) {
     PRINTED(scree_conventional_critical(&motion, 1e-3), 81.50, 0.01);
     CHECK(scree_conventional_critical(&motion, 1e-3) < scree_limit_low(&task)); /* a gap that neither motion covers */
 
-    /* Peaks over s_P/T^2 and s_P/T^3 depend on the speed through mu g T^2/s_P only, and fall to a limit: "about" is 2 %. */
+    /* Peaks over s_P/T^2 and s_P/T^3 depend on the speed through mu g T^2/s_P only, and fall to a limit: "about" is 2
+     * %. */
     for (int n = 500; n <= 700; n += 200) {
         scree_plan p = plan_of(&task, n, SCREE_PLAN_A);
         double T = p.duration;
@@ -653,7 +655,8 @@ static void test_rises(void) {
         CLOSE(a, peaks.a, 1e-7); /* the quintic's peak is not on the grid: 60 (h/2)^2/5.8 with h = 1/8000 */
         CLOSE(j, peaks.j, 1e-15 * 10);
         NEAR(scree_cam_at(law, peaks.x).a, -peaks.a, 1e-13);
-        /* Each is the derivative of the one before, except across the jerk's jumps (modified sine: u = 1/8, 7/8 are corners). */
+        /* Each is the derivative of the one before, except across the jerk's jumps (modified sine: u = 1/8, 7/8 are
+         * corners). */
         for (int i = 2; i < 998; i++) {
             double u = i * h;
             if (fabs(u - 0.125) < 2 * h || fabs(u - 0.875) < 2 * h) continue;
@@ -902,8 +905,8 @@ static void test_sensitivities(void) {
         CHECK(scree_sensitivities(rigid_outcome, &fixed, at, steps, differences) == 0);
         double slide = b.time[3] - b.detached;
         CLOSE(exact[SCREE_BY_FRICTION].clearance, 0.5 * 9.81 * slide * slide, 1e-9);
-        /* Central differences err by (h/mu)^2 = 1e-7 times a factor: the curvature of the detachment's time over the square
-         * of the slide's part before it, (t3 - td)/(td - t1) = 50 or so. */
+        /* Central differences err by (h/mu)^2 = 1e-7 times a factor: the curvature of the detachment's time over the
+         * square of the slide's part before it, (t3 - td)/(td - t1) = 50 or so. */
         CLOSE(differences[SCREE_BY_FRICTION].clearance, exact[SCREE_BY_FRICTION].clearance, 1e-5);
         CLOSE(differences[SCREE_BY_FRICTION].error, exact[SCREE_BY_FRICTION].error, 1e-6);
         double tau = b.duration - scree_slide_release(&b.profile, mu_g, b.time[3]);
@@ -914,8 +917,9 @@ static void test_sensitivities(void) {
         NEAR(differences[SCREE_BY_START].error, 0.0, 1e-12);
         CHECK(differences[SCREE_BY_STIFFNESS].error == 0.0);
     }
-    /* Formulation A detaches where the braking just touches friction: the detachment moves as the square root of a change, the
-     * product's position as its power 3/2, so differences approach the derivative as the root of the step. */
+    /* Formulation A detaches where the braking just touches friction: the detachment moves as the square root of a
+     * change, the product's position as its power 3/2, so differences approach the derivative as the root of the
+     * step. */
     scree_plan a = plan_of(&task, 500.0, SCREE_PLAN_A);
     struct fixed fixed = {&a, 0};
     double off[2];
@@ -994,8 +998,8 @@ static void test_tables(void) {
         CHECK(rows.first[0] == 0.0 && rows.first[1] == 0.0);
         struct scree_kinematics end = scree_segment_at(&plan.profile.segment[3], plan.profile.segment[3].duration);
         CHECK(rows.last[0] == plan.profile.start[4] && rows.last[1] == end.x && rows.last[2] == end.v);
-        /* Rounding: of the end position, of times (half an ulp of 0.06 s times differences of up to 2 m/s) and of velocities
-         * (half an ulp of 2 m/s times 0.06 s): some 1e-17 each; an ulp of 0.06 m is 7e-18. */
+        /* Rounding: of the end position, of times (half an ulp of 0.06 s times differences of up to 2 m/s) and of
+         * velocities (half an ulp of 2 m/s times 0.06 s): some 1e-17 each; an ulp of 0.06 m is 7e-18. */
         NEAR(rows.travel[0], rows.last[1], 3e-17);
         NEAR(rows.travel[0], 0.06, 1e-11); /* the stroke itself, as far as the solver has it */
         fclose(file);
@@ -1031,8 +1035,8 @@ static void test_cycle_tables(void) {
             NEAR(rows.last[0], angle ? 360.0 : 0.12, angle ? 1e-13 : 0.0);
             NEAR(rows.last[1], 0.0, 1e-16);
             NEAR(rows.last[5], 0.0, 1e-16);
-            /* The whole path closes. Angles are rounded to an ulp of 360, 1.2e-16 s here. One-sided jerks at the jumps (two
-             * of x, four of z, as large as a quintic's largest jerk) leave h^3/120 each. */
+            /* The whole path closes. Angles are rounded to an ulp of 360, 1.2e-16 s here. One-sided jerks at the jumps
+             * (two of x, four of z, as large as a quintic's largest jerk) leave h^3/120 each. */
             double h = 1.0 / 2000.0, left = both ? 0.0 : h * h * h / 120.0;
             struct scree_extrema size = scree_profile_extrema(&cycle.z);
             struct scree_kinematics back = scree_segment_at(&cycle.x.segment[5], 0.0);

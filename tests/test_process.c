@@ -102,7 +102,8 @@ static void test_order(void) {
     scree_catch caught = {0}, other = {1.0, 1.0, 1.0};
     CHECK(process_catch(&process, &plan.profile, plan.time[3], &caught) == 0);
     CHECK(process_catch(&swapped, &plan.profile, plan.time[3], &other) == 0);
-    /* Forces are added up in another order: rounding of forces of up to 10 N over masses of 0.03 kg, twice integrated over 45 ms. */
+    /* Forces are added up in another order: rounding of forces of up to 10 N over masses of 0.03 kg, twice integrated
+     * over 45 ms. */
     NEAR(caught.clearance, other.clearance, 1e-13);
     NEAR(caught.velocity, other.velocity, 1e-11);
     process_free(&process);

@@ -40,8 +40,8 @@ static struct factored factored(int m, int n, int rank, double spread, double sc
     return f;
 }
 
-/* Q^T (column pivot[j] of A) is column j of R. Householder's QR is backward stable: the error of a column is below about m n eps
- * of its norm (Higham, Accuracy and Stability, theorem 19.4); what is seen is far less. */
+/* Q^T (column pivot[j] of A) is column j of R. Householder's QR is backward stable: the error of a column is below
+ * about m n eps of its norm (Higham, Accuracy and Stability, theorem 19.4); what is seen is far less. */
 static void check_factors(const struct factored *f) {
     double limit = f->m * f->n * DBL_EPSILON;
     int seen[COLUMNS] = {0};
@@ -55,7 +55,8 @@ static void check_factors(const struct factored *f) {
         CLOSE(scree_norm(f->m, column), norm, limit);
         CLOSE(f->norms[f->pivot[j]], norm, limit);
         for (int i = j + 1; i < f->n; i++) CHECK(f->r[j * f->n + i] == 0.0);
-        /* The rest of the largest column comes first; its norm is kept by downdating, good to sqrt(20 eps) (LINPACK's test). */
+        /* The rest of the largest column comes first; its norm is kept by downdating, good to sqrt(20 eps) (LINPACK's
+         * test). */
         if (j > 0) CHECK(fabs(f->diagonal[j]) <= fabs(f->diagonal[j - 1]) * (1.0 + 1e-7));
     }
     for (int j = 0; j < f->n; j++) CHECK(seen[j] == 1);

@@ -28,9 +28,9 @@ static int sleeps(const scree_scene *scene, const char *name) {
     return scene->bodies.class[scene->bodies.place[scree_scene_find_body(scene, name)]] == SCREE_CLASS_ASLEEP;
 }
 
-/* Two stacks come to rest and sleep; a ram pushes one of them along the floor. It wakes, and goes where it goes without sleep; the other one
- * sleeps on. Where friction lets go is told by its springs, which what went unnoticed shifts by a part of their whole stretch: that
- * under both boxes is mu m g/k = 4e-5 m. */
+/* Two stacks come to rest and sleep; a ram pushes one of them along the floor. It wakes, and goes where it goes without
+ * sleep; the other one sleeps on. Where friction lets go is told by its springs, which what went unnoticed shifts by a
+ * part of their whole stretch: that under both boxes is mu m g/k = 4e-5 m. */
 static void test_push(void) {
     const char *sleep = "time.sleep=1e-5";
     scree_scene *lean = scene_from(stacks, &sleep, 1, 1), *full = scene_from(stacks, NULL, 0, 1);
@@ -58,7 +58,8 @@ static void test_push(void) {
     scree_scene_destroy(full);
 }
 
-/* A floor that rises more slowly than what counts as rest takes a sleeping ball along: it wakes whenever it is pressed in. */
+/* A floor that rises more slowly than what counts as rest takes a sleeping ball along: it wakes whenever it is pressed
+ * in. */
 static void test_carried(void) {
     static const char text[] =
         "gravity = [0, 0, -9.81]\n[time]\nend = 100.0\nstep = 5e-5\nsleep = 1e-5\n"

@@ -93,8 +93,8 @@ static void test_random(void) {
     NEAR(mean, 0.0011, 4.0 * 0.0018 / sqrt(12.0 * 2000.0)); /* 4 deviations of a mean of 2000 */
     scree_scene_destroy(scene);
 
-    /* By mass: of the volume, the lower half of the radii has as much as the upper one. The number of large ones is 1 in 100,
-     * their share of the volume scatters by some 5 %. */
+    /* By mass: of the volume, the lower half of the radii has as much as the upper one. The number of large ones is 1
+     * in 100, their share of the volume scatters by some 5 %. */
     scene = scene_from(HEAD RANDOM "distribution = \"mass\"\n", NULL, 0, 1);
     double half[2] = {0.0, 0.0};
     for (int k = 0; k < 2000; k++) {
@@ -271,7 +271,8 @@ static void test_api(void) {
     scree_scene_destroy(scene);
 }
 
-/* Names that count on, in runs of every kind, and others between them; each is found under its number, and the other way round. */
+/* Names that count on, in runs of every kind, and others between them; each is found under its number, and the other
+ * way round. */
 static void test_names(void) {
     enum { MANY = 4000 };
     static const char *const odd[] = {"a", "", "0", "00", "007", "a 0", "a 00", "a0999999998", "9999999999", "12 kg"};
@@ -404,8 +405,8 @@ static void test_periodic_contacts(void) {
     CHECK(met > 500 && images > 50); /* the test sees what it is about */
 }
 
-/* Moving the whole scene by some of the box (and so other pairs across its border) changes nothing but rounding: the same
- * impacts, contact memory carried across the border. */
+/* Moving the whole scene by some of the box (and so other pairs across its border) changes nothing but rounding: the
+ * same impacts, contact memory carried across the border. */
 static void test_periodic_shift(void) {
     uint64_t seed = 5;
     static const char *const verlet[] = {"time.step=1e-5"}, *const impulses[] = {"time.step=1e-5",
@@ -449,8 +450,8 @@ static void test_periodic_shift(void) {
     }
 }
 
-/* A ball that slides down an endless plane through several periods: energy books close, the position stays inside, a restored
- * run goes on with the same bits, across a return into the box too. */
+/* A ball that slides down an endless plane through several periods: energy books close, the position stays inside, a
+ * restored run goes on with the same bits, across a return into the box too. */
 static void test_periodic_slide(void) {
     const char *text =
         "gravity = [5, 0, -8.5]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 5e-5\n[domain]\nmin = [0, -1, "
@@ -500,7 +501,8 @@ static void test_periodic_bits(void) {
     }
 }
 
-/* Grains over a layer of fixed ones, so many that they lie in slabs, pressed down and flung along both periodic axes. */
+/* Grains over a layer of fixed ones, so many that they lie in slabs, pressed down and flung along both periodic
+ * axes. */
 static scree_scene *crowd(int threads) {
     uint64_t seed = 31;
     scree_scene *scene = scene_from(
@@ -579,8 +581,8 @@ static void check_memory(scree_scene *scene) {
     CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_OK && count == expected);
 }
 
-/* Slabs across a border: no contact is missed; the same bits for any number of threads, with breaks and lists at other times, and
- * from a state that was saved. */
+/* Slabs across a border: no contact is missed; the same bits for any number of threads, with breaks and lists at other
+ * times, and from a state that was saved. */
 static void test_periodic_slabs(void) {
     enum { ALL = 1200, PART = 512 }; /* before bodies return */
     scree_scene *scene[4];
@@ -641,7 +643,8 @@ static void test_periodic_many(void) {
     }
 }
 
-/* A prescribed sphere goes on for ever and isn't put back; once a period it passes a heavy one that stays where it is. */
+/* A prescribed sphere goes on for ever and isn't put back; once a period it passes a heavy one that stays where it
+ * is. */
 static void test_periodic_drive(void) {
     scree_scene *scene = scene_from(
         "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-4\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, "

@@ -1,4 +1,5 @@
-/* A bed that falls asleep: neither lists nor breaks nor threads leave a trace, and no sleeper misses more than is promised. */
+/* A bed that falls asleep: neither lists nor breaks nor threads leave a trace, and no sleeper misses more than is
+ * promised. */
 #include "contact/loop.h"
 #include "contact/rest.h"
 #include "tests/scenes.h"
@@ -6,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A bed of 1400 balls of 5 mm between walls, with ten boxes on it. From some seeds rattlers keep half of such a bed awake for 0.3 s; from this
- * one it sleeps soon. To be freed. */
+/* A bed of 1400 balls of 5 mm between walls, with ten boxes on it. From some seeds rattlers keep half of such a bed
+ * awake for 0.3 s; from this one it sleeps soon. To be freed. */
 static const char head[] =
     "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 10.0\nstep = 2e-5\n"
     "[[material]]\nname = \"ball\"\ndensity = 2000\n[[material]]\nname = \"wall\"\n"
@@ -70,8 +71,8 @@ static scree_scene *restored(const char *text, const char *change, FILE *file, i
     return scene;
 }
 
-/* While the bed falls asleep, one after the other, and some are pushed awake again: lists of other bodies at other times, threads, other
- * loops, calls of single steps and a break at a step where nobody looks make the same bits. */
+/* While the bed falls asleep, one after the other, and some are pushed awake again: lists of other bodies at other
+ * times, threads, other loops, calls of single steps and a break at a step where nobody looks make the same bits. */
 static void test_no_trace(const char *text, FILE *begun) {
     enum { STEPS = 5000, WAYS = 6 };
     static const char sleep[] = "time.sleep=1e-5";
@@ -135,8 +136,9 @@ static double most_unnoticed(const scree_scene *scene) {
     return most / (4.0 * scene->contacts.rest.pull);
 }
 
-/* The probe presses with more force than the bed weighs: all of it wakes. At no time does a sleeper miss more than was said; what
- * friction's springs have got between the middle of a step, where the loop looks, and its end is allowed for: a tenth. */
+/* The probe presses with more force than the bed weighs: all of it wakes. At no time does a sleeper miss more than was
+ * said; what friction's springs have got between the middle of a step, where the loop looks, and its end is allowed
+ * for: a tenth. */
 static void test_promise(const char *text, FILE *begun) {
     scree_scene *scene = restored(text, "time.sleep=1e-5", begun, 2);
     int most = 0, last = 0;

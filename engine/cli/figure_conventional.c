@@ -121,8 +121,9 @@ static const char script_6a[] =
     "     '' using 1:($5*1e3) with points ls 4 title 'simulated, 10^6 N/m'\n";
 
 /* How far compliant tines and the threshold of friction can shift the error: at detachment the tines' spring (overlap
- * m (a + mu_k g)/k) is unloading at m j/k, which the product has in excess of the comb; the jump of the jerk at the start of
- * the rise, 60 s/T^3, leaves it swinging at up to m j/k as well; and the product slides 1e-7 m off the point mass (figure 12). */
+ * m (a + mu_k g)/k) is unloading at m j/k, which the product has in excess of the comb; the jump of the jerk at the
+ * start of the rise, 60 s/T^3, leaves it swinging at up to m j/k as well; and the product slides 1e-7 m off the point
+ * mass (figure 12). */
 static double largest_shift(double cycles, double stiffness) {
     double left = scree_conventional_detachment(&rigid, cycles), x, v, a, later, h = 1e-7;
     scree_conventional_at(&rigid, cycles, left + h, &x, &v, &later);

@@ -1,5 +1,5 @@
-/* Of the Hunt-Crossley family, and what else can be had as published and calibrated: what each author's damping factor delivers
- * of the restitution it is asked for. */
+/* Of the Hunt-Crossley family, and what else can be had as published and calibrated: what each author's damping factor
+ * delivers of the restitution it is asked for. */
 #include "contact/catalogue.h"
 #include "contact/impact.h"
 #include "engine/cli/figures.h"

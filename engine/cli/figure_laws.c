@@ -71,8 +71,8 @@ static scree_status draw_loop(struct figures *figures, const struct scree_normal
     /* In the comb's frame the product meets it at 1 m/s and leaves at speed - 1. */
     double left = 0.5 * 0.03 * (speed - 1.0) * (speed - 1.0); /* a product that was never pushed hasn't met it */
     snprintf(quantity, sizeof quantity, "area of the loop and energy left, %s (J)", law->text.name);
-    /* Trapezia over 1500 steps: (1/1500)^2 of the loop, times a few where the branches bend; (1/1500)^(5/4) = 1.1e-4 where the
-     * force begins like the fourth root of the overlap, ^(3/2) where it does like the second. */
+    /* Trapezia over 1500 steps: (1/1500)^2 of the loop, times a few where the branches bend; (1/1500)^(5/4) = 1.1e-4
+     * where the force begins like the fourth root of the overlap, ^(3/2) where it does like the second. */
     figures_report(figures, "8", quantity, 0.5 * 0.03, speed > 0.0 ? area + left : 0.0, law->root ? 2e-4 : 1e-5);
     return SCREE_OK;
 }
@@ -117,8 +117,8 @@ static double coefficient(const struct scree_friction_law *law, const struct scr
     return law->force(&rule->friction_constants, (struct scree_pair_constants){{0.0}}, at).force.x;
 }
 
-/* The product is driven to and fro over the surfaces; friction over normal force, once every 10 steps for one period. `worst`
- * receives the largest difference from the law's coefficient. */
+/* The product is driven to and fro over the surfaces; friction over normal force, once every 10 steps for one period.
+ * `worst` receives the largest difference from the law's coefficient. */
 static scree_status run_friction(struct figures *figures, const struct scree_friction_law *law, FILE *file,
                                  double *worst) {
     char choice[480];
@@ -159,8 +159,8 @@ static const char script_9[] = "set title 'Friction coefficient over relative ve
                                "plot for [k=1:words(laws)] 'fig_9.csv' index k-1 using ($2*1e3):3 with lines ls "
                                "(k-1)%%7+1 title word(laws, k)\n";
 
-/* The curve of one law into the table, and how well it follows its formula into the report. A law with memory has a loop
- * instead of a curve. */
+/* The curve of one law into the table, and how well it follows its formula into the report. A law with memory has a
+ * loop instead of a curve. */
 static scree_status draw_friction(struct figures *figures, const struct scree_friction_law *law, FILE *file) {
     double worst = 0.0;
     char quantity[96];

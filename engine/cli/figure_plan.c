@@ -184,8 +184,8 @@ static const char script_15[] =
     "     for [n=0:2] 'fig_15.csv' using ($1 == 300 + 200*n ? $2 : 1/0):(abs($4)) with linespoints ls n+4 title "
     "sprintf('velocity, %d/min', 300 + 200*n)\n";
 
-/* A rigid plan, simulated with friction other than planned for: how the clearance changes, with tines so stiff that the closed form
- * for a rigid product holds but for the tines' swing, sqrt(m/k), at either end of the slide. */
+/* A rigid plan, simulated with friction other than planned for: how the clearance changes, with tines so stiff that the
+ * closed form for a rigid product holds but for the tines' swing, sqrt(m/k), at either end of the slide. */
 static void report_sensitivity(struct figures *figures, const struct process *process, double cycles) {
     scree_plan plan;
     scree_plan_options options = {.formulation = SCREE_PLAN_B};

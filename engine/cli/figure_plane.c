@@ -20,8 +20,8 @@ static double point_mass_step(double time, double v, double h) {
     return v + h / 6.0 * (a + 2.0 * (b + c) + d);
 }
 
-/* Slope at which the point mass passes the speed `wanted`, degrees. It starts at its creep speed for the first slope; that
- * start is forgotten within a millisecond. */
+/* Slope at which the point mass passes the speed `wanted`, degrees. It starts at its creep speed for the first slope;
+ * that start is forgotten within a millisecond. */
 static double expected_passage(double wanted) {
     double h = 1e-6, v = threshold * tan(start * degree) / mu_s, time = 0.0;
     for (; v < wanted; time += h) {
@@ -106,9 +106,9 @@ static const char script[] = "set title 'Inclined plane: the slope grows by 2°/
 
 scree_status figure_11b(struct figures *figures) {
     static double creeping[SAMPLES], sticking[SAMPLES];
-    /* Kept from pitching, so that the corners bear alike: else the less loaded ones slide first and, at the lower kinetic
-     * friction, leave the others too much. From 18.5 degrees on: the load comes on at once at the start, and the force of
-     * spring and dashpot overshoots it by exp(-2) at critical damping. */
+    /* Kept from pitching, so that the corners bear alike: else the less loaded ones slide first and, at the lower
+     * kinetic friction, leave the others too much. From 18.5 degrees on: the load comes on at once at the start, and
+     * the force of spring and dashpot overshoots it by exp(-2) at critical damping. */
     static const char *const sticks[] = {
         "contact.0.friction={law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=4e5, damping=250}",
         "body.product.joint={turn=\"fixed\"}", "motion.slope.offset=0.32288591161895097"};
@@ -138,9 +138,9 @@ scree_status figure_11b(struct figures *figures) {
     static const char *const names[PASSAGES] = {"inclination when v passes 1.5 mm/s, stick-slip (deg)",
                                                 "inclination when v passes 5 mm/s, stick-slip (deg)",
                                                 "inclination when v passes 10 mm/s, stick-slip (deg)"};
-    /* The box pitches on its corner springs while friction grows: F' h^2/(4 k a^2) = 4e-9 m/s of 1e-3 m/s at its corners, 4e-6.
-     * And it swings on them: while the slope grows the surfaces unload, and the dashpot acts in loading only, so swings of up
-     * to the unloading speed live on, 3e-6 of the weight. Both together, twice for safety. */
+    /* The box pitches on its corner springs while friction grows: F' h^2/(4 k a^2) = 4e-9 m/s of 1e-3 m/s at its
+     * corners, 4e-6. And it swings on them: while the slope grows the surfaces unload, and the dashpot acts in loading
+     * only, so swings of up to the unloading speed live on, 3e-6 of the weight. Both together, twice for safety. */
     for (int p = 0; p < PASSAGES; p++)
         figures_report(figures, "11b", names[p], expected_passage(passages[p]), ramp.passage[p], 1.5e-5);
     /* The contact slides a little early by as much as its spring still swings. */

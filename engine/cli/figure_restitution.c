@@ -1,4 +1,5 @@
-/* Figure 13: a driven comb meets the product at rest; restitution is no parameter of most laws, it follows from them. */
+/* Figure 13: a driven comb meets the product at rest; restitution is no parameter of most laws, it follows from
+ * them. */
 #include "contact/catalogue.h"
 #include "contact/impact.h"
 #include "engine/cli/figures.h"
@@ -91,8 +92,9 @@ static void simulate(const struct figures *figures, int law, struct meeting *mee
     char velocity[64], choice[256];
     snprintf(velocity, sizeof velocity, "motion.stroke.velocity=%.17g", meeting->speed);
     write_choice(&laws[law].choice, choice, sizeof choice);
-    /* The floor's friction sets in one or two steps late, since it sees predicted velocities: mu_k g h of 0.15 m/s. And the
-     * product is kept from pitching about the lower edge, which would lift it a little and so change the friction. */
+    /* The floor's friction sets in one or two steps late, since it sees predicted velocities: mu_k g h of 0.15 m/s. And
+     * the product is kept from pitching about the lower edge, which would lift it a little and so change the
+     * friction. */
     const char *changes[] = {velocity, choice, "time.step=2e-7", "body.product.joint={turn=\"fixed\"}",
                              "contact.0.friction={law=\"stick-slip\", static=0.3, kinetic=0.3, threshold=5e-5}"};
     scree_scene *scene =
@@ -153,9 +155,9 @@ static const char script[] =
     "Hunt-Crossley blend with-friction HC-with-friction', k+1)\n"
     "unset multiplot\n";
 
-/* Second order: about 2.5 (step/contact time)^2 = 2.5 (1e-6 s/1.5e-3 s)^2 = 1e-6, measured by scree-bench; ten times that. Where
- * the comb's force grows from zero and friction has to be overcome first, the product creeps before it slides, at up to the
- * threshold of the friction law. */
+/* Second order: about 2.5 (step/contact time)^2 = 2.5 (1e-6 s/1.5e-3 s)^2 = 1e-6, measured by scree-bench; ten times
+ * that. Where the comb's force grows from zero and friction has to be overcome first, the product creeps before it
+ * slides, at up to the threshold of the friction law. */
 static double bound_at(int law, double speed) {
     int creeps = laws[law].friction && strcmp(laws[law].name, "hunt-crossley") == 0;
     return 1e-5 + (creeps ? threshold / speed : 0.0);

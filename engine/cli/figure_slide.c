@@ -18,8 +18,9 @@ static double exact_distance(double v, double threshold) {
     return fast + falling + creeping;
 }
 
-/* How far a free product ends off the point mass: friction, acting under its centre, pitches it on its corner springs, by
- * F h/(4 k a^2), which moves the centre by h times that, and lets it back at the end; twice for the swing that follows. */
+/* How far a free product ends off the point mass: friction, acting under its centre, pitches it on its corner springs,
+ * by F h/(4 k a^2), which moves the centre by h times that, and lets it back at the end; twice for the swing that
+ * follows. */
 static double pitch_shift(void) {
     double h = 0.006, a = 0.013, k = 1e5, force = mu_s * 0.03 * gravity;
     return 2.0 * force * h * h / (4.0 * k * a * a);
@@ -148,8 +149,8 @@ scree_status figure_12(struct figures *figures) {
     figures_report(figures, "12", "recovered mu_k, comb at 1 m/s", mu_k, coulomb / fast->distance * mu_k,
                    fabs(exact_distance(fast->left, fast->threshold) / coulomb - 1.0) + pitch_shift() / coulomb);
 
-    /* The product alone, kept from pitching: here the threshold law is met to the order of the step, (5e-6 s mu_s g/threshold)^2
-     * of the few micrometres in which it matters. */
+    /* The product alone, kept from pitching: here the threshold law is met to the order of the step, (5e-6 s mu_s
+     * g/threshold)^2 of the few micrometres in which it matters. */
     struct slide alone[4] = {{.start = 0.1, .threshold = 1e-2, .upright = 1},
                              {.start = 1.0, .threshold = 1e-2, .upright = 1},
                              {.start = 0.1, .threshold = 1e-3, .upright = 1},

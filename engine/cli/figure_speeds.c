@@ -75,7 +75,8 @@ static scree_status write_6b(struct figures *figures, const scree_plan *design, 
     return status ? status : scree_out_keep(&out, &figures->trouble);
 }
 
-/* The limit between a speed where the scaled profile places the product well enough and one where it doesn't, by simulation. */
+/* The limit between a speed where the scaled profile places the product well enough and one where it doesn't, by
+ * simulation. */
 static scree_status bisect(struct figures *figures, const struct process *process, const scree_plan *design,
                            double good, double bad, double *limit) {
     for (int k = 0; k < 12; k++) {
@@ -121,7 +122,8 @@ static scree_status report_6b(struct figures *figures, const struct process *pro
         char quantity[80];
         snprintf(quantity, sizeof quantity, "clearance less the rigid %+.3f mm, scaled to %g/min (m)", 1e3 * expected,
                  others[k]);
-        /* The tines' spring unloads at m j/k while the product leaves, which is its excess of velocity over the slide. */
+        /* The tines' spring unloads at m j/k while the product leaves, which is its excess of velocity over the
+         * slide. */
         double ratio = others[k] / design_speed, jerk = scree_extrema_jerk(&design->extrema) * ratio * ratio * ratio;
         double late = 0.5 * scree_profile_duration(&profile) * process->mass * jerk / process->tine_stiffness;
         figures_report(figures, "6b", quantity, 0.0, caught.clearance - expected, late);
@@ -188,8 +190,8 @@ static scree_status write_16(struct figures *figures, const scree_map *map) {
     return status ? status : scree_out_keep(&out, &figures->trouble);
 }
 
-/* At 41 speeds, with all tines: where the product ends, and how fast it is caught, after planning for that very speed and for
- * what the map gives there. */
+/* At 41 speeds, with all tines: where the product ends, and how fast it is caught, after planning for that very speed
+ * and for what the map gives there. */
 static scree_status report_16(struct figures *figures, const struct process *process, const scree_map *map,
                               const scree_plan_options *options) {
     static struct trial trials[2 * SPEEDS_16];

@@ -80,12 +80,13 @@ scree_status suite_heap(struct figures *figures);
 scree_status suite_drum(struct figures *figures);
 scree_status suite_crater(struct figures *figures);
 
-/* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most `bound`. */
+/* A row of the report. The error is relative to `expected`, or absolute where that is 0; it passes if it is at most
+ * `bound`. */
 void figures_report(struct figures *figures, const char *figure, const char *quantity, double expected,
                     double simulated, double bound);
 
-/* A scene file from the data folder, changed by `count` assignments and baked; NULL after filling the trouble record. May be
- * called from several threads, each with a trouble record of its own. */
+/* A scene file from the data folder, changed by `count` assignments and baked; NULL after filling the trouble record.
+ * May be called from several threads, each with a trouble record of its own. */
 scree_scene *figures_scene(const struct figures *figures, const char *file, const char *const *assignments, int count,
                            scree_trouble *trouble);
 

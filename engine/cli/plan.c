@@ -1,4 +1,5 @@
-/* scree plan: motion profiles for one operating speed or many, the characteristic map, what happens over the speed, servo tables. */
+/* scree plan: motion profiles for one operating speed or many, the characteristic map, what happens over the speed,
+ * servo tables. */
 #include "engine/c_locale.h"
 #include "engine/cli/cli.h"
 #include "engine/cli/figures.h"
@@ -440,8 +441,8 @@ static int find_times(scree_transport *task, double cycles) {
     return 0;
 }
 
-/* The lowest speed from `critical` to `low` at which some times work: in whole cycles a minute, or farther apart if they are many
- * (each takes a grid of 9139 plans). */
+/* The lowest speed from `critical` to `low` at which some times work: in whole cycles a minute, or farther apart if
+ * they are many (each takes a grid of 9139 plans). */
 static void print_other_times(const scree_transport *task, double critical, double low) {
     enum { MOST_TRIALS = 25 };
     scree_transport other = *task;
@@ -479,8 +480,9 @@ static int works(const scree_transport *task, double cycles, scree_plan *plan) {
     return plan->state == SCREE_PLAN_GOOD;
 }
 
-/* The lowest speed with a rigid plan: n_low, unless something else than the end of the stroke asks for more. The speeds with a plan
- * are one interval, for every condition is linear in T^2 at each instant. HUGE_VAL, and `plan` says why, if none is found. */
+/* The lowest speed with a rigid plan: n_low, unless something else than the end of the stroke asks for more. The speeds
+ * with a plan are one interval, for every condition is linear in T^2 at each instant. HUGE_VAL, and `plan` says why, if
+ * none is found. */
 static double lowest_speed(const scree_transport *task, scree_plan *plan) {
     double low = scree_limit_low(task), bad = low, good = low * (1.0 + 1e-9);
     if (works(task, good, plan)) return low;
@@ -500,8 +502,8 @@ static double lowest_speed(const scree_transport *task, scree_plan *plan) {
     return good;
 }
 
-/* The highest speed above `low` with a rigid plan, and in `plan` what is wrong beyond it; HUGE_VAL if 100 times as fast is no
- * problem. */
+/* The highest speed above `low` with a rigid plan, and in `plan` what is wrong beyond it; HUGE_VAL if 100 times as fast
+ * is no problem. */
 static double highest_speed(const scree_transport *task, double low, scree_plan *plan) {
     double good = low * (1.0 + 1e-9), bad = 100.0 * low;
     if (works(task, bad, plan)) return HUGE_VAL;
@@ -574,7 +576,8 @@ static char *default_folder(const char *path) {
     return folder;
 }
 
-/* A file of this program in the folder that the plan just made hasn't got: of an earlier one, and not to be taken for this. */
+/* A file of this program in the folder that the plan just made hasn't got: of an earlier one, and not to be taken for
+ * this. */
 static int is_stale(const struct planning *p, const char *name) {
     static const char *const map[] = {"map.csv", "map_surface.csv", "map.gp", "map.svg", NULL};
     static const char *const curves[] = {"curves.csv", "curves.gp", "curves.svg", NULL};

@@ -14,9 +14,9 @@
 
 enum { ASSIGNMENTS = 24, LONGEST = 320, LARGEST_SCENE = 1 << 20 };
 
-/* Lengths of the scene that no task changes, m: of a tine along the way and across, of half the slot between the surfaces; how far
- * tines reach below the plane and above the product, how far surfaces and tines reach beyond the centres of the corners, which meet
- * faces and never edges. */
+/* Lengths of the scene that no task changes, m: of a tine along the way and across, of half the slot between the
+ * surfaces; how far tines reach below the plane and above the product, how far surfaces and tines reach beyond the
+ * centres of the corners, which meet faces and never edges. */
 static const double tine_length = 0.03, tine_width = 0.01, half_slot = 0.003, below = 0.005, above = 0.008,
                     beyond = 2e-4;
 
@@ -143,8 +143,8 @@ static double rounding(const struct process *p) {
     return fmin(0.002, 0.2 * fmin(p->length, fmin(p->depth, p->height)));
 }
 
-/* Tines as high as the product needs: beside the surfaces, or between the corners (through slots of the surfaces, which no corner comes
- * near). */
+/* Tines as high as the product needs: beside the surfaces, or between the corners (through slots of the surfaces, which
+ * no corner comes near). */
 static void change_tine(struct changes *changes, const struct process *p, const char *name, double x, double side) {
     double corner = 0.5 * p->depth - rounding(p), size = p->height + above + below, width = tine_width,
            inner = corner - fmin(beyond, 0.1 * corner);
@@ -350,13 +350,13 @@ static void note(struct process_run *run, const struct process_sample *s, struct
     *last = now;
 }
 
-/* Time in which friction stops whatever the comb has thrown: bounces between the tines lose speed too, and twice its largest is
- * more than restitution can give. The rest is for the creep at the end. */
+/* Time in which friction stops whatever the comb has thrown: bounces between the tines lose speed too, and twice its
+ * largest is more than restitution can give. The rest is for the creep at the end. */
 static double time_to_rest(const struct process *p, const struct scree_profile *profile) {
     struct scree_extrema extrema = scree_profile_extrema(profile);
     double fastest = 2.0 * fmax(extrema.largest.v, -extrema.least.v);
-    /* The creep at the end decays from the threshold to 1e-9 m/s like exp(-mu_s g t/threshold): in 30 time constants if the
-     * threshold is below 1e4 m/s. */
+    /* The creep at the end decays from the threshold to 1e-9 m/s like exp(-mu_s g t/threshold): in 30 time constants if
+     * the threshold is below 1e4 m/s. */
     double creep = 30.0 * p->threshold / (p->static_friction * p->gravity);
     return 2.0 + creep + fastest / (p->kinetic_friction * p->gravity);
 }

@@ -1,13 +1,14 @@
-/* The process model in the planner's loop: the scene of a comb, a product and two slide surfaces, with the comb's stroke given by a
- * profile. The scene file says what touches how; here its numbers are set from the task, and the outcome is measured. */
+/* The process model in the planner's loop: the scene of a comb, a product and two slide surfaces, with the comb's
+ * stroke given by a profile. The scene file says what touches how; here its numbers are set from the task, and the
+ * outcome is measured. */
 #ifndef SCREE_CLI_PROCESS_H
 #define SCREE_CLI_PROCESS_H
 
 #include "engine/scree.h"
 #include "solver/sensitivity.h"
 
-/* How product and tines meet: as boxes, corners and edges; with the product's corner spheres alone; or, the tines standing between the
- * corners, with edges on edges alone, which bear a face by eight points instead of four. */
+/* How product and tines meet: as boxes, corners and edges; with the product's corner spheres alone; or, the tines
+ * standing between the corners, with edges on edges alone, which bear a face by eight points instead of four. */
 enum process_contact { PROCESS_BOXES, PROCESS_CORNERS, PROCESS_EDGES };
 
 /* What the scene is made from. SI units. */
@@ -27,13 +28,14 @@ struct process {
     enum process_contact contacts;
 };
 
-/* The scene of a task from the scene file at `path`: the standard product, tines and surfaces, changed where `task` says so.
- * SCREE_BAD_INPUT names what the file lacks of the bodies, motions and contacts of data/scenes/transport.toml. To be freed with
- * process_free, whether or not this fails. */
+/* The scene of a task from the scene file at `path`: the standard product, tines and surfaces, changed where `task`
+ * says so. SCREE_BAD_INPUT names what the file lacks of the bodies, motions and contacts of data/scenes/transport.toml.
+ * To be freed with process_free, whether or not this fails. */
 scree_status process_load(struct process *process, const char *path, const scree_transport *task,
                           scree_trouble *trouble);
 
-/* Whether the scene can be made and run with the numbers that `process` has now, and its tines do what a profile says. */
+/* Whether the scene can be made and run with the numbers that `process` has now, and its tines do what a profile
+ * says. */
 scree_status process_check(const struct process *process, scree_trouble *trouble);
 
 void process_free(struct process *process);
@@ -56,11 +58,12 @@ struct process_run {
     scree_trouble trouble;
 };
 
-/* Formulation C's view of the model (a scree_process; `context` is a struct process): the state at `until`, front tines off. */
+/* Formulation C's view of the model (a scree_process; `context` is a struct process): the state at `until`, front tines
+ * off. */
 int process_catch(void *process, const struct scree_profile *profile, double until, scree_catch *result);
 
-/* Run the profile with all tines until the product rests; `target` is its wanted final position, m. SCREE_FAILED if it hasn't come
- * to rest in the time that friction needs for the fastest slide. */
+/* Run the profile with all tines until the product rests; `target` is its wanted final position, m. SCREE_FAILED if it
+ * hasn't come to rest in the time that friction needs for the fastest slide. */
 scree_status process_simulate(const struct process *process, const struct scree_profile *profile, double target,
                               struct process_run *run);
 

@@ -38,7 +38,8 @@ struct run {
     int quiet;
     time_t shown;
     scree_effort before; /* what came with a state */
-    /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside what was turned over. */
+    /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside what was turned
+     * over. */
     double largest, worst, worst_of, worst_time;
     int halvings; /* told so far */
 };
@@ -182,7 +183,8 @@ static void warn_of_books(const struct run *run) {
                  100.0 * run->worst, run->worst_time, scree_scene_step_length(run->scene), other);
 }
 
-/* Ten steps follow a contact to some 0.2 % of the speed, five to 2 %. Pair impulses follow that of two spheres however long they are. */
+/* Ten steps follow a contact to some 0.2 % of the speed, five to 2 %. Pair impulses follow that of two spheres however
+ * long they are. */
 static void warn_of_coarse_step(const struct run *run) {
     const struct scree_step_choice *choice = &run->scene->plan.choice;
     double step = scree_scene_step_length(run->scene);

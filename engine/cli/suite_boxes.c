@@ -13,7 +13,8 @@ struct row {
 };
 
 /* Behind the head of the wave all dominoes lean on the next one with their upper edge, without friction:
- * h sin(a' - a) = (s + d) cos a - d, with a' of the one behind (van Leeuwen, Am. J. Phys. 78 (2010) 721, arXiv:physics/0401018). */
+ * h sin(a' - a) = (s + d) cos a - d, with a' of the one behind (van Leeuwen, Am. J. Phys. 78 (2010) 721,
+ * arXiv:physics/0401018). */
 static double behind(const struct row *row, double angle, double *rate) {
     double pitch = row->gap + row->thickness, h = row->height;
     double apart = asin((pitch * cos(angle) - row->thickness) / h);
@@ -21,8 +22,8 @@ static double behind(const struct row *row, double angle, double *rate) {
     return angle + apart;
 }
 
-/* What moves with the head at its angle, as seen from it: inertia, in parts of one domino's, and potential energy over m g/2, of `fallen` dominoes
- * and it. */
+/* What moves with the head at its angle, as seen from it: inertia, in parts of one domino's, and potential energy over
+ * m g/2, of `fallen` dominoes and it. */
 static void train(const struct row *row, double angle, int fallen, double *inertia, double *energy) {
     double speed = 1.0, rate;
     *inertia = *energy = 0.0;
@@ -34,8 +35,8 @@ static void train(const struct row *row, double angle, int fallen, double *inert
     }
 }
 
-/* One fall: the head turns from upright to where it hits the next one, energy is kept; at the hit what moved before shares its momentum with
- * one more, and nothing bounces. */
+/* One fall: the head turns from upright to where it hits the next one, energy is kept; at the hit what moved before
+ * shares its momentum with one more, and nothing bounces. */
 struct fall {
     double spin;       /* of the head, after the hit before, then after this one, rad/s */
     double half, time; /* s: until it has turned by half of that, and until it hits */
@@ -122,8 +123,8 @@ static scree_status watch_row(struct figures *figures, const struct row *row, do
     return status;
 }
 
-/* Corners are balls of 5e-5 m, which makes the foot shorter by 1.3 % and the push that a domino needs to topple as much smaller: a few 1e-3 of
- * the speed. In the rigid limit nothing gives where dominoes lean, and they never part. */
+/* Corners are balls of 5e-5 m, which makes the foot shorter by 1.3 % and the push that a domino needs to topple as much
+ * smaller: a few 1e-3 of the speed. In the rigid limit nothing gives where dominoes lean, and they never part. */
 scree_status suite_dominoes(struct figures *figures) {
     static const struct row rows[] = {{0.05, 0.008, 0.02}, {0.05, 0.008, 0.03}, {0.048, 0.0075, 0.012}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
@@ -148,8 +149,8 @@ static const char head[] =
     "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e5, damping = 50 }\n"
     "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n";
 
-/* A wall of `courses` courses in running bond, bricks of 0.2 m x 0.1 m x 0.06 m with joints of 2 mm, half ones at the ends of every other
- * course. Returns how many they are. */
+/* A wall of `courses` courses in running bond, bricks of 0.2 m x 0.1 m x 0.06 m with joints of 2 mm, half ones at the
+ * ends of every other course. Returns how many they are. */
 static int write_wall(char *text, size_t size, int courses, int across) {
     int used = snprintf(text, size, "%s", head), bricks = 0;
     for (int row = 0; row < courses; row++)
@@ -184,14 +185,15 @@ scree_status suite_wall(struct figures *figures) {
     }
     scree_scene_destroy(scene);
     if (status) return status;
-    /* Dashpots let nothing swing for a second. Outer bricks lean: seven above them press 82 N on four springs, 2e-4 m, over 0.1 m. */
+    /* Dashpots let nothing swing for a second. Outer bricks lean: seven above them press 82 N on four springs, 2e-4 m,
+     * over 0.1 m. */
     figures_report(figures, "wall", "a wall of 36 bricks: largest motion in half a second (m)", 0.0, moved, 1e-9);
     figures_report(figures, "wall", "the same: a brick's lean (rad)", 0.0, turned, 2e-3);
     return SCREE_OK;
 }
 
-/* Two cards lean on each other at an angle from the plumb line. Moments about the foot of one, a ball of the rounding, ask for a friction of
- * (h sin - t cos)/2/(h cos + r), with the core's height h and thickness t. Whether they stand. */
+/* Two cards lean on each other at an angle from the plumb line. Moments about the foot of one, a ball of the rounding,
+ * ask for a friction of (h sin - t cos)/2/(h cos + r), with the core's height h and thickness t. Whether they stand. */
 static const double card_rounding = 3e-3, card_height = 0.2 - 6e-3, card_thickness = 0.01 - 6e-3;
 
 static double friction_needed(double angle) {
@@ -217,8 +219,9 @@ static scree_status cards_stand(struct figures *figures, double angle, int *stan
     return status;
 }
 
-/* The angle at which they slide, by halves: their springs give by 2e-5 m, which is 1e-4 of their height, and the start, on springs without load,
- * asks for up to as much more. Near the critical angle they slide so slowly that two seconds don't show it. */
+/* The angle at which they slide, by halves: their springs give by 2e-5 m, which is 1e-4 of their height, and the start,
+ * on springs without load, asks for up to as much more. Near the critical angle they slide so slowly that two seconds
+ * don't show it. */
 scree_status suite_cards(struct figures *figures) {
     double exact[2] = {0.3, 1.2};
     for (int k = 0; k < 60; k++) {

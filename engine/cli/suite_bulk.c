@@ -1,8 +1,9 @@
-/* Grains by the thousand: discharge of a silo, load of a column between walls, angle of repose, rotating drum, impact on a bed.
- * After the benchmark of Dosta et al., Comput. Phys. Commun. 296 (2024) 109066 (data/reference/dosta2024_parameters.csv), made small: its
- * grains M1 and, in a silo and in a drum, M2 (2500 and 2000 kg/m^3, Poisson's ratio 0.2, restitution and friction by pairs below), of 4 mm,
- * but thousands of them instead of 25,000 to 122,000, and 1 MPa instead of 1 GPa (10 MPa for the impact). Rate and shape of a slow flow
- * don't depend on the modulus while overlaps are small: E/(rho g d) is 1e4, which makes 1 % of a diameter under ten layers. */
+/* Grains by the thousand: discharge of a silo, load of a column between walls, angle of repose, rotating drum, impact
+ * on a bed. After the benchmark of Dosta et al., Comput. Phys. Commun. 296 (2024) 109066
+ * (data/reference/dosta2024_parameters.csv), made small: its grains M1 and, in a silo and in a drum, M2 (2500 and 2000
+ * kg/m^3, Poisson's ratio 0.2, restitution and friction by pairs below), of 4 mm, but thousands of them instead of
+ * 25,000 to 122,000, and 1 MPa instead of 1 GPa (10 MPa for the impact). Rate and shape of a slow flow don't depend on
+ * the modulus while overlaps are small: E/(rho g d) is 1e4, which makes 1 % of a diameter under ten layers. */
 #include "engine/cli/figures.h"
 #include "engine/scene_file.h"
 
@@ -17,9 +18,9 @@ static const double gravity = 9.81, pi = 3.14159265358979323846, radius = 2e-3, 
 
 /* One run: a scene of its own, so that several go at the same time. */
 struct run {
-    char *text; /* of the scene, owned */
-    const char *
-        save_as; /* name under which the scene is written beside the data, so that it can be run, seen and given to other programs; or NULL */
+    char *text;          /* of the scene, owned */
+    const char *save_as; /* name under which the scene is written beside the data, so that it can be run, seen and given
+                            to other programs; or NULL */
     scree_scene *scene;
     scree_status status;
     scree_trouble trouble;
@@ -186,8 +187,8 @@ static scree_status run_case(struct figures *figures, const struct bulk_case *c)
 
 static double grain_mass(double density) { return 4.0 / 3.0 * pi * radius * radius * radius * density; }
 
-/* What LAMMPS makes of the same scenes, by bench/peers/bulk.sh (data/reference/bulk_lammps.csv), and what may lie between two means of
- * runs from other places of the grains: three times its standard error. */
+/* What LAMMPS makes of the same scenes, by bench/peers/bulk.sh (data/reference/bulk_lammps.csv), and what may lie
+ * between two means of runs from other places of the grains: three times its standard error. */
 struct peer {
     double mean, scatter; /* of a run, about the mean */
     int runs;
@@ -260,8 +261,8 @@ static double time_of(const struct silo *silo, int wanted) {
     return NAN;
 }
 
-/* Holes of 5.5, 6.25 and 7 diameters; the second once more with M2. From 250 to 950 of 4000 grains out: the bed is nearly as high as wide, or
- * higher, all the while. */
+/* Holes of 5.5, 6.25 and 7 diameters; the second once more with M2. From 250 to 950 of 4000 grains out: the bed is
+ * nearly as high as wide, or higher, all the while. */
 static void empty_silo(void *one, int number) {
     static const int from = 250, to = 950;
     struct silo *silo = one;
@@ -290,11 +291,11 @@ static const char silo_script[] = "set title 'Discharge of a silo through a squa
                                   "plot for [k=1:4] 'silo.csv' using 3:($1==k ? $4 : NaN) with lines ls k "
                                   "title word('5.5d 6.25d 7d 6.25d,M2', k)\n";
 
-/* Beverloo, Leniger & van de Velde, Chem. Eng. Sci. 15 (1961) 260: W = C rho sqrt(g) (D - k d)^2.5; for a square hole (Nedderman,
- * Statics and Kinematics of Granular Materials, 1992, ch. 10: area and hydraulic diameter of what is left without a margin of k d/2)
- * 4/pi times that with its edge for D. C = 0.58 and k = 1.4 for spheres;
- * measured are 0.55 to 0.65 and 1.3 to 1.5, hence bounds of 10 %. Chance leaves 2 % of a rate, and so 0.13 of a k fitted to three: k itself
- * is no row. Below five diameters the law doesn't hold: through a hole of 4.5 come 14 % more. */
+/* Beverloo, Leniger & van de Velde, Chem. Eng. Sci. 15 (1961) 260: W = C rho sqrt(g) (D - k d)^2.5; for a square hole
+ * (Nedderman, Statics and Kinematics of Granular Materials, 1992, ch. 10: area and hydraulic diameter of what is left
+ * without a margin of k d/2) 4/pi times that with its edge for D. C = 0.58 and k = 1.4 for spheres; measured are 0.55
+ * to 0.65 and 1.3 to 1.5, hence bounds of 10 %. Chance leaves 2 % of a rate, and so 0.13 of a k fitted to three: k
+ * itself is no row. Below five diameters the law doesn't hold: through a hole of 4.5 come 14 % more. */
 static double beverloo(double bulk, double edge) {
     return 4.0 / pi * 0.58 * bulk * sqrt(gravity) * pow(edge - 1.4 * diameter, 2.5);
 }
@@ -392,7 +393,8 @@ static void write_column(const void *one, int number, FILE *file) {
     }
 }
 
-/* Pressure on the walls over that on the level between two bins, mean of the bins between a quarter and three quarters of the height. */
+/* Pressure on the walls over that on the level between two bins, mean of the bins between a quarter and three quarters
+ * of the height. */
 static double janssen_ratio(const struct column *c, double *height) {
     double above[COLUMN_BINS + 1] = {0.0}, ratio = 0.0, bins = 0.0;
     *height = 0.0;
@@ -413,9 +415,10 @@ static const char column_script[] =
     "set xlabel 'load (N)'\nset ylabel 'height (m)'\n"
     "plot for [k=1:2] 'column.csv' using ($1==k ? $6 : NaN):2 with linespoints ls k title sprintf('run %d', k)\n";
 
-/* Janssen, Z. Ver. dt. Ing. 39 (1895) 1045: load rho g L A (1 - exp(-H/L)), L = D/(4 mu K) for a square of edge D. K is what the walls
- * and levels of the column itself say, and mu how much of their friction is called upon: some nine tenths of it, since grains
- * along the wall roll as well as slide. What is tested is that both are the same all the way down; 10 %, as codes agree in this. */
+/* Janssen, Z. Ver. dt. Ing. 39 (1895) 1045: load rho g L A (1 - exp(-H/L)), L = D/(4 mu K) for a square of edge D. K is
+ * what the walls and levels of the column itself say, and mu how much of their friction is called upon: some nine
+ * tenths of it, since grains along the wall roll as well as slide. What is tested is that both are the same all the way
+ * down; 10 %, as codes agree in this. */
 scree_status suite_column(struct figures *figures) {
     static struct column columns[COLUMN_RUNS];
     scree_status status = run_case(
@@ -450,7 +453,8 @@ struct heap {
     int left;                 /* grains on the plate */
 };
 
-/* The plate is a layer of fixed grains, 4 mm apart, up and down by a quarter of their diameter at most, periodic across. */
+/* The plate is a layer of fixed grains, 4 mm apart, up and down by a quarter of their diameter at most, periodic
+ * across. */
 static void make_heap(struct heap *heap, double rolling, int seed) {
     struct grains g = {.young = 1e6,
                        .rolling = rolling,

@@ -1,4 +1,5 @@
-/* The eight impact tests of Chung & Ooi, Granular Matter 13 (2011) 643, against Hertz's solution and the rules of sliding bodies. */
+/* The eight impact tests of Chung & Ooi, Granular Matter 13 (2011) 643, against Hertz's solution and the rules of
+ * sliding bodies. */
 #include "engine/cli/figures.h"
 
 #include <math.h>
@@ -10,7 +11,8 @@ struct material {
     double young, poisson, density;
 };
 
-/* A ball against a plane (`other` 0) or against another ball of radius `other` that waits for it, or comes to meet it. */
+/* A ball against a plane (`other` 0) or against another ball of radius `other` that waits for it, or comes to meet
+ * it. */
 struct strike {
     struct material material;
     double radius, other;    /* m */
@@ -26,7 +28,8 @@ struct result {
     double force, overlap, duration; /* largest ones; s */
 };
 
-/* Plane and balls are of one material; the plane is rigid: 1e6 times as stiff. No rebound at all takes a contact that may pull. */
+/* Plane and balls are of one material; the plane is rigid: 1e6 times as stiff. No rebound at all takes a contact that
+ * may pull. */
 static scree_scene *make_scene(struct figures *figures, const struct strike *s, double gap) {
     char text[2048], friction[160] = "", host[256];
     if (s->mu > 0.0)
@@ -88,8 +91,8 @@ static scree_status strike(struct figures *figures, const struct strike *s, stru
 
 static double mass_of(double radius, double density) { return 4.0 / 3.0 * pi * radius * radius * radius * density; }
 
-/* Hertz: d = (5 m v^2/(4 K))^(2/5), F = K d^(3/2), t = 2.94327518432 d/v. The peaks lie between steps, 50 in a contact: a parabola is
- * right to (1/50)^4 of them there. */
+/* Hertz: d = (5 m v^2/(4 K))^(2/5), F = K d^(3/2), t = 2.94327518432 d/v. The peaks lie between steps, 50 in a contact:
+ * a parabola is right to (1/50)^4 of them there. */
 scree_status suite_chung_ooi_elastic(struct figures *figures) {
     static const struct {
         const char *name;
@@ -154,9 +157,10 @@ static scree_status strike_at(struct figures *figures, struct strike *s, double 
 static const struct strike four = {{3.8e11, 0.23, 4000.0}, 0.0025, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.98, 0.092},
                            five = {{2.08e11, 0.3, 7850.0}, 1e-5, 0.0, 1.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.9999999999, 0.3};
 
-/* Tests 4 and 5. `after`, where the contact sticks for a while (test 4 at 5, 10 … 25 degrees, test 5 at 5, 15 … 45): tangential speed of
- * the contact point after the impact over the normal speed before, to 40 digits, for levers that stay as long as the radius; damping of
- * Tsuji's law for the restitution (data/reference/oblique_hertz_mindlin_noslip.csv, memory in the force). */
+/* Tests 4 and 5. `after`, where the contact sticks for a while (test 4 at 5, 10 … 25 degrees, test 5 at 5, 15 … 45):
+ * tangential speed of the contact point after the impact over the normal speed before, to 40 digits, for levers that
+ * stay as long as the radius; damping of Tsuji's law for the restitution
+ * (data/reference/oblique_hertz_mindlin_noslip.csv, memory in the force). */
 static const struct oblique {
     const char *name;
     const struct strike *strike;
@@ -199,9 +203,9 @@ struct rebound {
     double sideways, spin;
 };
 
-/* The same equations by 1e5 midpoint steps: Hertz, Tsuji's dashpot, Mindlin's spring with its memory in the force, and a lever
- * that is shorter than the radius by half the overlap, as it is where the plane is rigid. Right to a few 1e-6, which is what the dashpot's
- * d^(1/4) leaves at the touch. */
+/* The same equations by 1e5 midpoint steps: Hertz, Tsuji's dashpot, Mindlin's spring with its memory in the force, and
+ * a lever that is shorter than the radius by half the overlap, as it is where the plane is rigid. Right to a few 1e-6,
+ * which is what the dashpot's d^(1/4) leaves at the touch. */
 static struct rebound by_small_steps(const struct strike *s, double damping) {
     double softer = 1.0 + 1e-6, nu = s->material.poisson, r = s->radius, mass = mass_of(r, s->material.density);
     double k = 4.0 / 3.0 * s->material.young / ((1.0 - nu * nu) * softer) * sqrt(r);
@@ -225,9 +229,9 @@ static struct rebound by_small_steps(const struct strike *s, double damping) {
     return after;
 }
 
-/* At all angles against small steps: oblique impacts of 50 steps are right to 1e-4, whatever the phase of the touch (scree-bench precision).
- * And where the contact slides throughout (Walton 1993) e_t = 1 - mu (1 + e)/tan(angle); with e = 0.98 the dashpot lets it stick for the
- * first few 1e-6 of the impulse. */
+/* At all angles against small steps: oblique impacts of 50 steps are right to 1e-4, whatever the phase of the touch
+ * (scree-bench precision). And where the contact slides throughout (Walton 1993) e_t = 1 - mu (1 + e)/tan(angle); with
+ * e = 0.98 the dashpot lets it stick for the first few 1e-6 of the impulse. */
 static scree_status report_oblique(struct figures *figures, const struct oblique *o) {
     double tangential = 0.0, sideways = 0.0, spin = 0.0;
     for (double degrees = 5.0; degrees < 86.0; degrees += 5.0) {
@@ -253,8 +257,8 @@ static scree_status report_oblique(struct figures *figures, const struct oblique
     return SCREE_OK;
 }
 
-/* Levers that stay as long as the radius: those of bodies that overlap are shorter, which changes the speed of the contact point by as
- * much, twice the overlap's half. */
+/* Levers that stay as long as the radius: those of bodies that overlap are shorter, which changes the speed of the
+ * contact point by as much, twice the overlap's half. */
 static scree_status report_rigid_levers(struct figures *figures, const struct oblique *o) {
     double worst = 0.0, sunk = 0.0;
     for (int k = 0; k < 5; k++) {
@@ -275,8 +279,8 @@ static scree_status report_rigid_levers(struct figures *figures, const struct ob
 
 /* ---- experiments ---- */
 
-/* Aluminium oxide on glass, 3.9 m/s (Kharaz, Gorham & Salman, Powder Technol. 120 (2001) 281): angle, tangential restitution; angle, spin (rad/s).
- * Digitised by MFiX (data/reference of its case DEM05). */
+/* Aluminium oxide on glass, 3.9 m/s (Kharaz, Gorham & Salman, Powder Technol. 120 (2001) 281): angle, tangential
+ * restitution; angle, spin (rad/s). Digitised by MFiX (data/reference of its case DEM05). */
 static const double
     kharaz[5][2] = {{20.0845, 0.5964}, {30.2218, 0.6883}, {39.3031, 0.7719}, {49.5459, 0.8469}, {59.8416, 0.9019}},
     kharaz_spin[5][2] = {
@@ -293,8 +297,9 @@ static scree_status strike_as_kharaz(struct figures *figures, double degrees, st
     return strike_at(figures, s, degrees, 3.9, result);
 }
 
-/* What is read off a plot is good to 1 or 2 %; spins scatter by 8 % even where all bodies slide. At steeper angles than 20 degrees Mindlin's
- * springs, which know no slip of a part of the contact, are known to miss the rebound by some degrees, whatever the code. */
+/* What is read off a plot is good to 1 or 2 %; spins scatter by 8 % even where all bodies slide. At steeper angles than
+ * 20 degrees Mindlin's springs, which know no slip of a part of the contact, are known to miss the rebound by some
+ * degrees, whatever the code. */
 static scree_status report_kharaz(struct figures *figures) {
     double restitution = 0.0, spin = 0.0, angle = 0.0;
     struct strike s;
@@ -318,10 +323,11 @@ static scree_status report_kharaz(struct figures *figures) {
     return SCREE_OK;
 }
 
-/* Two equal spheres (Foerster, Louge, Chang & Allia, Phys. Fluids 6 (1994) 1108): what they measured is put as three coefficients, e, mu
- * and beta; the contact's tangential speed after over the normal one before is the larger of -beta x and x - 7/2 mu (1 + e), with x that
- * before. Values as the literature quotes them. beta stands for what the contact gives back while it sticks, at any angle, which no spring
- * does; but one has to come nearer to it than a contact that gives back nothing, which is off by beta x at the end of sticking. */
+/* Two equal spheres (Foerster, Louge, Chang & Allia, Phys. Fluids 6 (1994) 1108): what they measured is put as three
+ * coefficients, e, mu and beta; the contact's tangential speed after over the normal one before is the larger of -beta
+ * x and x - 7/2 mu (1 + e), with x that before. Values as the literature quotes them. beta stands for what the contact
+ * gives back while it sticks, at any angle, which no spring does; but one has to come nearer to it than a contact that
+ * gives back nothing, which is off by beta x at the end of sticking. */
 static scree_status report_foerster(struct figures *figures, const char *name, const struct material *material,
                                     double restitution, const double coefficients[2]) {
     double mu = coefficients[0], beta = coefficients[1], slide = 3.5 * mu * (1.0 + restitution), sticks = 0.0,
@@ -357,8 +363,8 @@ scree_status suite_chung_ooi_oblique(struct figures *figures) {
     return status ? status : report_foerster(figures, "acetate", &acetate, 0.87, (double[]){0.25, 0.43});
 }
 
-/* The tangential recoil of an impact with spin, beta, at 65, 70 … 85 degrees: solutions to 40 digits, aluminium and nylon
- * (data/reference/oblique_hertz_mindlin_noslip.csv, T6, memory in the force). */
+/* The tangential recoil of an impact with spin, beta, at 65, 70 … 85 degrees: solutions to 40 digits, aluminium and
+ * nylon (data/reference/oblique_hertz_mindlin_noslip.csv, T6, memory in the force). */
 static const double recoil[2][5] = {
     {-0.0444381544878434, -0.249506690369085, -0.444531080950948, -0.632733390321997, -0.816992847825269},
     {-0.046422407184956, -0.250621494379043, -0.445091478606602, -0.632959421287716, -0.817044826300404}};

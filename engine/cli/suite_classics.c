@@ -18,7 +18,8 @@ struct slope {
     double angle, mu;
 };
 
-/* Acceleration along the slope, m/s^2, between 0.1 s and 0.2 s after the start: the springs have come to rest by then. */
+/* Acceleration along the slope, m/s^2, between 0.1 s and 0.2 s after the start: the springs have come to rest by
+ * then. */
 static scree_status slope_acceleration(struct figures *figures, const struct slope *s, double *along) {
     char text[1536];
     snprintf(
@@ -229,8 +230,9 @@ scree_status suite_stack(struct figures *figures) {
     return status;
 }
 
-/* A box of 0.1 m x 0.2 m x 0.3 m turns freely: spin in its own axes and attitude after 20 s, twelve turns, to 15 digits (Jacobi's elliptic
- * functions; data/reference/torque_free_top.csv). About its middle axis it flips over again and again, which multiplies rounding by 1e8. */
+/* A box of 0.1 m x 0.2 m x 0.3 m turns freely: spin in its own axes and attitude after 20 s, twelve turns, to 15 digits
+ * (Jacobi's elliptic functions; data/reference/torque_free_top.csv). About its middle axis it flips over again and
+ * again, which multiplies rounding by 1e8. */
 scree_status suite_top(struct figures *figures) {
     static const struct {
         const char *quantity, *spin;
@@ -270,8 +272,8 @@ scree_status suite_top(struct figures *figures) {
     return SCREE_OK;
 }
 
-/* Restitution of a viscoelastic sphere over b = 3/2 A (K/m)^(2/5) v^(1/5), the one number that it depends on: here K = m = v = 1
- * (data/reference/restitution_viscoelastic_kuwabara_kono.csv, contacts that end with the force). */
+/* Restitution of a viscoelastic sphere over b = 3/2 A (K/m)^(2/5) v^(1/5), the one number that it depends on: here K =
+ * m = v = 1 (data/reference/restitution_viscoelastic_kuwabara_kono.csv, contacts that end with the force). */
 scree_status suite_viscoelastic(struct figures *figures) {
     static const double table[][2] = {{0.001, 0.998847357304096}, {0.01, 0.988547439642729}, {0.1, 0.892858875506553},
                                       {0.2, 0.800965468135765},   {0.5, 0.595251501135127},  {1.0, 0.393930603229873},

@@ -129,9 +129,9 @@ static const char script[] = "set title 'A granular gas cools: e = 0.9, 5 % fill
                              "plot 'haff.csv' using 1:5 with lines ls 1 title 'Haff, Sonine correction',\\\n"
                              "     '' using 1:2:3:4 with yerrorbars ls 2 title 'scree, mean and range'\n";
 
-/* 1/sqrt(T) grows by 1/tau in a unit of time, whatever T was at the beginning of the count: from 5 on (four collisions of each sphere)
- * to 40. g2 by Carnahan & Starling, cooling rate with the first Sonine correction (van Noije & Ernst, Granular Matter 1
- * (1998) 57; data/reference/haff_cooling.csv). */
+/* 1/sqrt(T) grows by 1/tau in a unit of time, whatever T was at the beginning of the count: from 5 on (four collisions
+ * of each sphere) to 40. g2 by Carnahan & Starling, cooling rate with the first Sonine correction (van Noije & Ernst,
+ * Granular Matter 1 (1998) 57; data/reference/haff_cooling.csv). */
 scree_status suite_haff(struct figures *figures) {
     static struct gas gas[RUNS];
 #pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
@@ -149,7 +149,8 @@ scree_status suite_haff(struct figures *figures) {
         mean += rate / RUNS;
     }
     scree_status status = write_gas(figures, gas, tau);
-    /* 1 % is what 1e4 spheres leave to chance; seeds differ by 0.4 % each, and the contacts' own time takes another 0.3 %. */
+    /* 1 % is what 1e4 spheres leave to chance; seeds differ by 0.4 % each, and the contacts' own time takes another 0.3
+     * %. */
     figures_report(figures, "haff", "cooling time", tau, 1.0 / mean, 0.01);
     return status ? status : figures_plot(figures, "haff", script);
 }

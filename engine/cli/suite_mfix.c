@@ -1,4 +1,5 @@
-/* The verification cases DEM01 to DEM05 of MFiX-DEM (Garg et al., MFIX-DEM documentation 2012-1), against exact solutions. */
+/* The verification cases DEM01 to DEM05 of MFiX-DEM (Garg et al., MFIX-DEM documentation 2012-1), against exact
+ * solutions. */
 #include "engine/cli/figures.h"
 
 #include <math.h>
@@ -122,8 +123,9 @@ static double apex_after(const scree_body_state *state) {
     return state->position[2] - radius + state->velocity[2] * state->velocity[2] / (2.0 * gravity);
 }
 
-/* The step is 1/50 of a contact, or less: a lone contact is right to (pi/50)^4/120 of itself, 1e-7, ten times that where gravity and
- * a long contact share. MFiX has 1e4 and 2.5e4 N/m as well, where the sphere sinks in by more than half its radius. */
+/* The step is 1/50 of a contact, or less: a lone contact is right to (pi/50)^4/120 of itself, 1e-7, ten times that
+ * where gravity and a long contact share. MFiX has 1e4 and 2.5e4 N/m as well, where the sphere sinks in by more than
+ * half its radius. */
 scree_status suite_dem01(struct figures *figures) {
     static const double stiffness[] = {5e4, 1e5}, restitution[] = {0.9999999, 0.9, 0.8, 0.7, 0.6};
     double worst[2] = {0.0}, late[2] = {0.0}, place = 0.0;
@@ -285,7 +287,8 @@ scree_status suite_dem03(struct figures *figures) {
 /* ---- DEM04 ---- */
 
 /* The lever is shorter than the radius by half the overlap under the weight, 1e-5 of it, and friction's spring takes
- * mu m g/k_t = 5e-10 m of way before it holds what it should, 1.2e-5 of the way that the time of slipping is taken from. */
+ * mu m g/k_t = 5e-10 m of way before it holds what it should, 1.2e-5 of the way that the time of slipping is taken
+ * from. */
 scree_status suite_dem04(struct figures *figures) {
     double speed = 0.0, spin = 0.0, slip = 0.0;
     for (double mu = 0.2; mu < 1.05; mu += 0.1) {
@@ -365,8 +368,8 @@ static scree_status strike(struct figures *figures, double degrees, scree_body_s
     return status;
 }
 
-/* Where a sphere slides all along the contact: e_t = 1 - mu (1 + e)/tan(angle), R w = 5/2 mu (1 + e) v_n (Walton 1993). The lever
- * is shorter than R by half the overlap, sqrt(m/k) v_n/2 = 1e-5 R. */
+/* Where a sphere slides all along the contact: e_t = 1 - mu (1 + e)/tan(angle), R w = 5/2 mu (1 + e) v_n (Walton 1993).
+ * The lever is shorter than R by half the overlap, sqrt(m/k) v_n/2 = 1e-5 R. */
 scree_status suite_dem05(struct figures *figures) {
     static const double r = 2.5e-3, mu = 0.092;
     double tangential = 0.0, spin = 0.0, sticks = 0.0;

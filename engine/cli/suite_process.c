@@ -1,14 +1,15 @@
-/* The process model with the contact of whole boxes between product and tines, against the one with corner spheres that the article has
- * (Troll et al. 2018). The figures are made three times: by boxes, by corner spheres, and with tines that stand between the product's
- * corners, so that only edges on edges bear. All of their tables are compared, number by number. */
+/* The process model with the contact of whole boxes between product and tines, against the one with corner spheres that
+ * the article has (Troll et al. 2018). The figures are made three times: by boxes, by corner spheres, and with tines
+ * that stand between the product's corners, so that only edges on edges bear. All of their tables are compared, number
+ * by number. */
 #include "engine/cli/figures.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Figures in which a tine meets the product, with their tables; `bounces`: slow runs in which the product flies to and fro between tines for
- * dozens of impacts. */
+/* Figures in which a tine meets the product, with their tables; `bounces`: slow runs in which the product flies to and
+ * fro between tines for dozens of impacts. */
 struct figure {
     const char *name;
     scree_status (*make)(struct figures *figures);
@@ -36,7 +37,8 @@ struct column {
     double largest, apart; /* magnitudes, of the numbers and of their differences */
 };
 
-/* The next cell of a table: a number, or NAN for words. Returns 0 at its end; `*first` tells whether it begins a row. */
+/* The next cell of a table: a number, or NAN for words. Returns 0 at its end; `*first` tells whether it begins a
+ * row. */
 static int next_cell(const char **at, int *first, double *value) {
     *first = 0;
     while (**at == '\n') (*at)++, *first = 1;
@@ -114,10 +116,11 @@ static scree_status make_all(struct figures *figures, enum process_contact conta
     return status;
 }
 
-/* Corner spheres: the same contacts bear, no edge does, so there is nothing to differ but the order of sums, 1e-16 of the forces, a
- * thousandfold after some impacts. Edges: eight springs of half the stiffness at other places, whose sums are rounded otherwise at every step:
- * 1e-12 a run, and up to a thousand times that where a table has differences of nearly equal numbers. Dozens of impacts make any last
- * digit grow: by then the places differ by up to 1e-4 m of 0.02 m. */
+/* Corner spheres: the same contacts bear, no edge does, so there is nothing to differ but the order of sums, 1e-16 of
+ * the forces, a thousandfold after some impacts. Edges: eight springs of half the stiffness at other places, whose sums
+ * are rounded otherwise at every step: 1e-12 a run, and up to a thousand times that where a table has differences of
+ * nearly equal numbers. Dozens of impacts make any last digit grow: by then the places differ by up to 1e-4 m of 0.02
+ * m. */
 static double bound_of(const struct figure *figure, int way) {
     return way == 1 ? 1e-12 : figure->bounces ? 1e-2 : 1e-8;
 }

@@ -1,5 +1,6 @@
-/* Textbook cases of boxes and of dry friction: impacts on an edge and on a corner, a rocking block, a domino, Painleve's rod, stick and
- * slip on a belt. Their springs are stiff, the references mostly of rigid bodies: bounds say what the springs give. */
+/* Textbook cases of boxes and of dry friction: impacts on an edge and on a corner, a rocking block, a domino,
+ * Painleve's rod, stick and slip on a belt. Their springs are stiff, the references mostly of rigid bodies: bounds say
+ * what the springs give. */
 #include "engine/cli/figures.h"
 
 #include <math.h>
@@ -102,7 +103,8 @@ static const struct corner {
      {-8.09619922529369, -5.35358253430971, -0.195054956577972}},
 };
 
-/* The contact lasts pi sqrt(m/k), 6.6e-7 s, in which the box turns by 10 rad/s: 7e-6, and leans on the spring with that. */
+/* The contact lasts pi sqrt(m/k), 6.6e-7 s, in which the box turns by 10 rad/s: 7e-6, and leans on the spring with
+ * that. */
 scree_status suite_corner(struct figures *figures) {
     static const double stiffness = 1e14;
     double velocity = 0.0, spin = 0.0;
@@ -132,8 +134,8 @@ scree_status suite_corner(struct figures *figures) {
 
 /* ---- what turns about an edge: the rocking block, the domino ---- */
 
-/* The time at which the tilt of body 1 about y passes `angle`, and its spin then: on the cubic through angle and spin before and after.
- * time 0: not before `until`. */
+/* The time at which the tilt of body 1 about y passes `angle`, and its spin then: on the cubic through angle and spin
+ * before and after. time 0: not before `until`. */
 struct passage {
     double time, spin;
 };
@@ -175,8 +177,8 @@ static scree_status find_passage(struct figures *figures, scree_scene *scene, do
     return SCREE_OK;
 }
 
-/* A sharp box of density 1000 and depth 0.2 m, leant forward about its lower front edge (towards +x), at the origin. No slip. Its
- * weight has pressed that edge in already. */
+/* A sharp box of density 1000 and depth 0.2 m, leant forward about its lower front edge (towards +x), at the origin. No
+ * slip. Its weight has pressed that edge in already. */
 struct pivot {
     double width, height, angle, spin; /* m, rad, rad/s */
     double stiffness;                  /* N/m, of a corner */
@@ -216,7 +218,8 @@ static scree_status pivot_passage(struct figures *figures, const struct pivot *p
     return status;
 }
 
-/* data/reference/rocking_block.csv: heights and widths in halves, the quarter of a period is the time until it is upright. */
+/* data/reference/rocking_block.csv: heights and widths in halves, the quarter of a period is the time until it is
+ * upright. */
 static const struct rocking {
     double height, width, share, period, before, after;
 } rockings[] = {
@@ -231,8 +234,8 @@ static const struct rocking {
     {1.0, 0.2, 0.8, 3.41540845935599, 0.518616360419087, 0.488696185779524},
 };
 
-/* Spin with which it began to turn about the rear edge (of body 1), from that at the tilt `angle` (negative): energy is kept in
- * between, 2/3 R^2 w^2 + g R cos(alpha - |angle|). */
+/* Spin with which it began to turn about the rear edge (of body 1), from that at the tilt `angle` (negative): energy is
+ * kept in between, 2/3 R^2 w^2 + g R cos(alpha - |angle|). */
 static double spin_at_start(const struct rocking *r, double angle, double spin) {
     double radius = sqrt(r->height * r->height + r->width * r->width), alpha = atan(r->width / r->height);
     return sqrt(spin * spin + 1.5 * gravity / radius * (cos(alpha + angle) - cos(alpha)));
@@ -301,8 +304,9 @@ scree_status suite_domino(struct figures *figures) {
         time = fmax(time, fabs(hit.time / d->time - 1.0));
         spin = fmax(spin, fabs(hit.spin / d->spin - 1.0));
     }
-    /* One per cent above the least spin the domino is slow where it stands on its edge: what the weight does in pressing the
-     * edge in, (m g)^2/k, 1e-5 of the 2.5e-4 J needed, counts fifty times of the 2 % left over, for a share of the time. */
+    /* One per cent above the least spin the domino is slow where it stands on its edge: what the weight does in
+     * pressing the edge in, (m g)^2/k, 1e-5 of the 2.5e-4 J needed, counts fifty times of the 2 % left over, for a
+     * share of the time. */
     figures_report(figures, "domino", "time until it hits the next, worst of 3", 0.0, time, 1e-5);
     figures_report(figures, "domino", "spin then, worst of 3", 0.0, spin, 1e-5);
     figures_report(figures, "domino", "falls at 1.001, not at 0.999 of the least spin: wrong of 6", 0.0, wrong, 0.0);
@@ -311,10 +315,10 @@ scree_status suite_domino(struct figures *figures) {
 
 /* ---- Painleve's rod ---- */
 
-/* A rod slides along a plane, leaning so that friction presses it in. Force N at its foot moves the foot away from the plane by
- * N/m (1 + 3 cos^2 - 3 mu sin cos): no more once mu passes mu_P = (1 + 3 cos^2)/(3 sin cos), where a rigid rod has no solution and one on
- * a spring jams (Painleve 1895; Genot & Brogliato, Eur. J. Mech. A 18 (1999) 653; data/reference/painleve_rod.csv). A planar box is
- * a rod: its inertia m (l^2 + t^2)/12 is that of its diagonal. */
+/* A rod slides along a plane, leaning so that friction presses it in. Force N at its foot moves the foot away from the
+ * plane by N/m (1 + 3 cos^2 - 3 mu sin cos): no more once mu passes mu_P = (1 + 3 cos^2)/(3 sin cos), where a rigid rod
+ * has no solution and one on a spring jams (Painleve 1895; Genot & Brogliato, Eur. J. Mech. A 18 (1999) 653;
+ * data/reference/painleve_rod.csv). A planar box is a rod: its inertia m (l^2 + t^2)/12 is that of its diagonal. */
 struct rod {
     double degrees, mu, speed; /* of the diagonal against the plane; m/s */
     double gravity, overlap;   /* m/s^2; m at the start */
@@ -338,7 +342,8 @@ static scree_scene *make_rod(struct figures *figures, const struct rod *r, doubl
     return figures_scene_text(figures, text);
 }
 
-/* How much deeper the foot is after a tenth of the spring's radian, in parts of the overlap at the start: -0.005 (1 + 3 cos^2 - 3 mu sin cos). */
+/* How much deeper the foot is after a tenth of the spring's radian, in parts of the overlap at the start: -0.005 (1 + 3
+ * cos^2 - 3 mu sin cos). */
 static scree_status rod_sinks(struct figures *figures, double degrees, double mu, double *deeper) {
     double radian = sqrt(1.0 / rod_stiffness);
     struct rod r = {degrees, mu, 10.0, 0.0, 1e-7};
@@ -353,9 +358,9 @@ static scree_status rod_sinks(struct figures *figures, double degrees, double mu
     return status;
 }
 
-/* A rod of 45 degrees rests on its foot while it slides at 1 m/s. Its force over its weight at the time t is 1/a + (1 - 1/a) cos(sqrt(a k/m) t)
- * with a = 1 + 3 cos^2 - 3 mu sin cos, where a < 0 a cosh: an eighth below and above 0 (mu 5 % below and above mu_P), at the
- * first peak, and where the force has grown nineteenfold. */
+/* A rod of 45 degrees rests on its foot while it slides at 1 m/s. Its force over its weight at the time t is 1/a + (1 -
+ * 1/a) cos(sqrt(a k/m) t) with a = 1 + 3 cos^2 - 3 mu sin cos, where a < 0 a cosh: an eighth below and above 0 (mu 5 %
+ * below and above mu_P), at the first peak, and where the force has grown nineteenfold. */
 static scree_status rod_slides(struct figures *figures, int jams, double *expected, double *force) {
     double a = jams ? -0.125 : 0.125, rate = sqrt(0.125 * rod_stiffness), time = jams ? 1.77 / rate : pi / rate;
     struct rod r = {45.0, (2.5 - a) / 1.5, 1.0, gravity, gravity / rod_stiffness};
