@@ -240,6 +240,12 @@ if command -v gnuplot >/dev/null; then
     check 'plot of the README' 0 '' sh -ec "cd '$work/readme' && . ./plot"
     expect 'plot of the README is drawn' grep -q '</svg>' "$work/readme/bounce/height.svg"
 fi
+# Every key that scene files may have stands in the README's section about them.
+sed -n '/^## Scene files/,/^## Many/p' "$root/README.md" >"$work/keys.md"
+cat "$root/engine/scene_file.c" "$root/engine/scene_spheres.c" | sed -n '/char \*const \(keys\|common\)\[\]/,/;/p' | grep -o '"[a-z_]*"' |
+    tr -d '"' | sort -u >"$work/keys"
+expect 'keys of scene files' test "$(wc -l <"$work/keys")" -ge 50
+for key in $(cat "$work/keys"); do expect "the README has the key $key" grep -qw "$key" "$work/keys.md"; done
 # Whatever runs of the tree's scenes leave in the tree is ignored there.
 for scene in "$scenes"/*.toml "$root"/data/transport/*.toml; do
     expect "the folder of $scene is ignored" grep -q "^/$(basename "$scene" .toml)/" "$root/.gitignore"
