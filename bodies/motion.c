@@ -42,6 +42,10 @@ static scree_status check_numbers(const scree_motion_def *def, scree_trouble *tr
         scree_status status = check_finite(numbers[k].value, numbers[k].field, trouble);
         if (status) return status;
     }
+    if ((int)def->kind < 0 || def->kind > SCREE_MOTION_TABLE)
+        return scree_report(trouble, SCREE_BAD_INPUT, "kind", "there is no kind %d of motion", (int)def->kind);
+    if ((int)def->rise < 0 || def->rise > SCREE_RISE_CYCLOID)
+        return scree_report(trouble, SCREE_BAD_INPUT, "law", "there is no law %d of a rise", (int)def->rise);
     if (def->duration < 0.0 || (def->kind == SCREE_MOTION_RISE && def->duration == 0.0))
         return scree_report(trouble, SCREE_BAD_INPUT, "duration", "the duration of a motion must be positive, got %g s",
                             def->duration);
@@ -62,6 +66,9 @@ static scree_status check_column(const double *column, const char *name, size_t 
 }
 
 static scree_status check_table(const scree_motion_def *def, scree_trouble *trouble) {
+    if ((int)def->table < 0 || def->table > SCREE_TABLE_VELOCITY_QUINTIC)
+        return scree_report(trouble, SCREE_BAD_INPUT, "interpolation", "there is no interpolation %d of a motion table",
+                            (int)def->table);
     if (def->rows < 2 || def->rows > 10000000)
         return scree_report(trouble, SCREE_BAD_INPUT, "table",
                             "a motion table needs at least 2 rows (and at most 1e7), got %zu", def->rows);
@@ -180,6 +187,19 @@ static scree_status bake_table(const scree_motion_def *def, struct scree_motion 
     return def->table == SCREE_TABLE_VELOCITY_QUINTIC ? check_integral(def, motion, trouble) : SCREE_OK;
 }
 
+/* Finite numbers may lead to others: rows 1e-320 s apart, a rise in 1e-200 s. */
+static scree_status check_pieces(const struct scree_motion *motion, scree_trouble *trouble) {
+    for (int k = 0; k < motion->count; k++) {
+        const struct scree_motion_piece *piece = &motion->pieces[k];
+        double sum = piece->amplitude * piece->rate * piece->rate;
+        for (int i = 0; i < 7; i++) sum += 0.0 * piece->c[i];
+        if (!isfinite(sum))
+            return scree_report(trouble, SCREE_BAD_INPUT, NULL, "a motion is faster than numbers reach at t = %.9g s",
+                                piece->start);
+    }
+    return SCREE_OK;
+}
+
 static void bake_formula(const scree_motion_def *def, struct scree_motion *motion) {
     struct scree_motion_piece *moving = &motion->pieces[1], *after = &motion->pieces[2];
     double s = def->stroke, d = def->duration, final = def->offset;
@@ -207,8 +227,8 @@ static void bake_formula(const scree_motion_def *def, struct scree_motion *motio
         moving->amplitude = def->amplitude;
         moving->rate = two_pi * def->frequency;
         moving->phase = def->phase;
-        motion->pieces[0].c[0] += def->amplitude * sin(def->phase);
-        final += def->amplitude * sin(moving->rate * d + def->phase);
+        motion->pieces[0].c[0] = value_of(moving, 0.0).position;
+        final = value_of(moving, d).position;
         break;
     case SCREE_MOTION_TABLE:
         break;
@@ -227,11 +247,11 @@ scree_status scree_motion_bake(const scree_motion_def *def, struct scree_motion 
     motion->pieces = calloc(count, sizeof *motion->pieces);
     if (!motion->pieces) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a motion");
     motion->count = (int)count;
-    if (!table) {
+    if (table)
+        status = bake_table(def, motion, trouble);
+    else
         bake_formula(def, motion);
-        return SCREE_OK;
-    }
-    status = bake_table(def, motion, trouble);
+    if (!status) status = check_pieces(motion, trouble);
     if (status) scree_motion_free(motion);
     return status;
 }

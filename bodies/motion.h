@@ -27,14 +27,15 @@ typedef enum scree_table_law {
                                     must be its integral */
 } scree_table_law;
 
-/* A motion starts at `offset` and rests there until `start`; after its end it keeps its last position. Angles count
- * in rad, lengths in m. The arrays of a table are copied when the motion is baked. */
+/* A motion rests where it begins (at `offset`; SINE: where its phase says; TABLE: at its first row) until `start`
+ * (TABLE: until the time of that row); after its end it keeps its last position. Angles count in rad, lengths in m. The
+ * arrays of a table are copied when the motion is baked. */
 typedef struct scree_motion_def {
     const char *name;
     scree_motion_kind kind;
-    double offset;               /* value before and at the start; every kind but TABLE adds it */
+    double offset;               /* every kind but TABLE adds it */
     double start;                /* s */
-    double duration;             /* s; VELOCITY: 0 means for ever; RISE: > 0 */
+    double duration;             /* s; VELOCITY and SINE: 0 means for ever; RISE: > 0 */
     double velocity;             /* VELOCITY: 1/s of the coordinate's unit */
     double stroke;               /* RISE */
     scree_rise_law rise;         /* RISE */
@@ -49,6 +50,8 @@ typedef struct scree_motion_def {
     const double *accelerations; /* TABLE: both quintics */
     const double *jerks;         /* TABLE: VELOCITY_QUINTIC */
 } scree_motion_def;
+
+/* ---- inside the library and its programs; the shared library keeps these to itself ---- */
 
 struct scree_motion_piece {
     double start;
@@ -66,8 +69,8 @@ struct scree_motion_value {
     double position, velocity, acceleration;
 };
 
-/* SCREE_BAD_INPUT for numbers that aren't finite, times that don't increase, a missing column. The caller frees the
- * result with scree_motion_free. */
+/* SCREE_BAD_INPUT for numbers that aren't finite or lead to others, times that don't increase, a missing column. The
+ * caller frees the result with scree_motion_free. */
 scree_status scree_motion_bake(const scree_motion_def *def, struct scree_motion *motion, scree_trouble *trouble);
 void scree_motion_free(struct scree_motion *motion);
 

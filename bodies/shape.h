@@ -21,6 +21,8 @@ typedef struct scree_shape {
     double rounding; /* box: radius of its edges and corners, 0 … half the shortest edge */
 } scree_shape;
 
+/* ---- inside the library and its programs; the shared library keeps these to itself ---- */
+
 /* SCREE_BAD_INPUT if a length is not a positive finite number or the rounding doesn't fit into the box. */
 scree_status scree_shape_check(const scree_shape *shape, scree_trouble *trouble);
 

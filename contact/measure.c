@@ -17,7 +17,7 @@ static void measure_friction(const struct scree_rule *rule, struct scree_pair_co
     struct scree_tangential t = friction->force(&rule->friction_constants, pair, at);
     touch->tangential = t.force;
     touch->stretch = t.stretch;
-    touch->sliding = t.sliding > 0.0;
+    touch->sliding = at.sliding > 0.0; /* as kept: asked again, a force that is just what holds goes by its rounding */
     at.stretch = t.stretch;
     touch->stored_in_friction = friction->stored(&rule->friction_constants, pair, at);
 }

@@ -53,6 +53,9 @@ static scree_status check_definition(scree_scene *scene, const scree_generate_de
     if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene takes no new spheres");
     if (!def->name || !def->name[0])
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name", "a group of spheres needs a name");
+    if (def->radii != SCREE_RADII_UNIFORM && def->radii != SCREE_RADII_MASS)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "distribution", "there is no distribution of number %d",
+                            (int)def->radii);
     if (def->kind != SCREE_LATTICE && def->kind != SCREE_RANDOM)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "kind", "there is no generator of number %d",
                             (int)def->kind);
@@ -135,8 +138,8 @@ static void fill_lattice(const scree_generate_def *def, const struct lattice *la
 
 /* ---- anywhere ---- */
 
-/* Spheres so far, in cells of grids: one for each power of two of their size, the coarsest is number 0. A sphere lies
- * in the grid whose cells are just as large as its diameter; all before it are as large as it or larger. */
+/* Spheres so far, those that were there before among them, in cells of grids: one for each power of two of their size,
+ * the coarsest is number 0. A sphere lies in the finest grid whose cells are as large as its diameter. */
 enum { GRIDS = 32, TRIES = 20000 };
 
 struct cells {
@@ -221,13 +224,30 @@ static scree_status place_all(scree_scene *scene, const scree_generate_def *def,
     return SCREE_OK;
 }
 
+/* Spheres that are there already and reach into the box, behind those of this definition; returns how many. */
+static int find_others(const scree_scene *scene, const scree_generate_def *def, double (*at)[3], double *radius) {
+    int found = 0;
+    for (int k = 0; k < scene->defs; k++) {
+        scree_body_def body = scree_scene_definition(scene, k);
+        double r = body.shape.radius, *x = body.position;
+        int inside = body.shape.kind == SCREE_SPHERE;
+        for (int axis = 0; axis < 3; axis++) inside &= x[axis] + r > def->min[axis] && x[axis] - r < def->max[axis];
+        if (!inside) continue;
+        memcpy(at[def->count + found], x, sizeof *at);
+        radius[def->count + found++] = r;
+    }
+    return found;
+}
+
+/* Both arrays have room for all spheres that are there already, too. */
 static scree_status fill_random(scree_scene *scene, const scree_generate_def *def, double (*at)[3], double *radius) {
     uint64_t state = def->seed;
-    size_t places = 16, count = (size_t)def->count;
-    while (places < 2 * count) places *= 2;
+    int others = find_others(scene, def, at, radius);
+    size_t places = 16, count = (size_t)def->count, all = count + (size_t)others;
+    while (places < 2 * all) places *= 2;
     struct cells cells = {.last = places - 1, .at = (const double(*)[3])at, .radius = radius};
     cells.place = malloc(places * sizeof *cells.place);
-    cells.next = malloc(count * sizeof *cells.next);
+    cells.next = malloc(all * sizeof *cells.next);
     scree_status status = SCREE_OK;
     if (!cells.place || !cells.next)
         status = scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for %d spheres", def->count);
@@ -235,6 +255,8 @@ static scree_status fill_random(scree_scene *scene, const scree_generate_def *de
     for (size_t k = 0; k < count; k++) radius[k] = draw_radius(def, &state);
     qsort(radius, count, sizeof *radius, compare_larger_first);
     cells.coarsest = 2.0 * radius[0];
+    for (size_t k = count; k < all; k++) cells.coarsest = fmax(cells.coarsest, 2.0 * radius[k]);
+    for (size_t k = count; k < all && !status; k++) enter(&cells, (int)k);
     if (!status) status = place_all(scene, def, &cells, at, &state);
     free(cells.place);
     free(cells.next);
@@ -266,7 +288,8 @@ scree_status scree_scene_generate(scree_scene *scene, const scree_generate_def *
     if (!status) status = check_memory(scene, def, wanted);
     if (status) return status;
     int count = (int)wanted;
-    double(*at)[3] = malloc((size_t)count * sizeof *at), *radius = malloc((size_t)count * sizeof *radius);
+    size_t room = (size_t)count + (def->kind == SCREE_RANDOM ? (size_t)scene->defs : 0);
+    double(*at)[3] = malloc(room * sizeof *at), *radius = malloc(room * sizeof *radius);
     if (!at || !radius)
         status = scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for %d spheres", count);
     else if (def->kind == SCREE_LATTICE)

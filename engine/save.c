@@ -402,19 +402,33 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
     return status;
 }
 
+/* So many contacts' memory, to be freed; NULL: there is no room for it. A damaged number isn't believed: room is made
+ * for what comes. */
+static struct memory *get_memories(const scree_scene *scene, struct stream *s, long memories) {
+    long room = memories < 4096 ? memories + 1 : 4096;
+    struct memory *memory = malloc((size_t)room * sizeof *memory);
+    for (long k = 0; k < memories && memory && !s->failed; k++) {
+        if (k == room) {
+            struct memory *more = realloc(memory, 2 * (size_t)room * sizeof *memory);
+            if (!more) free(memory);
+            memory = more;
+            room *= 2;
+        }
+        if (!memory) break;
+        get(s, &memory[k], sizeof memory[k]);
+        s->failed |= memory[k].batch < 0 || memory[k].batch >= scene->contacts.batches ||
+                     !remembers(&scene->contacts.batch[memory[k].batch]);
+    }
+    return memory;
+}
+
 /* The arrays behind the head, and the hash; nothing is changed yet. */
 static scree_status read_rest(scree_scene *scene, struct stream *s, const char *name, struct scree_order *order,
-                              struct body_part *part, struct memory *memory, long memories) {
-    if (!part || !memory)
-        return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "%s: no memory for the state", name);
+                              struct body_part *part, struct memory **memory, long memories) {
     get(s, order, sizeof *order);
-    for (int k = 0; k < scene->bodies.count; k++) get(s, &part[k], sizeof part[k]);
-    for (long k = 0; k < memories && !s->failed; k++) {
-        get(s, &memory[k], sizeof memory[k]);
-        if (memory[k].batch < 0 || memory[k].batch >= scene->contacts.batches ||
-            !remembers(&scene->contacts.batch[memory[k].batch]))
-            s->failed = 1;
-    }
+    for (int k = 0; part && k < scene->bodies.count; k++) get(s, &part[k], sizeof part[k]);
+    if (part) *memory = get_memories(scene, s, memories);
+    if (!*memory) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "%s: no memory for the state", name);
     uint64_t hash = s->hash, stored = 0;
     get(s, &stored, sizeof stored);
     if (s->failed || hash != stored)
@@ -434,6 +448,7 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     long memories = 0;
     get(&s, head, sizeof head);
     get(&s, &mark, sizeof mark);
+    if (ferror(file)) return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: can't be read", name);
     if (s.failed || memcmp(head, magic, sizeof magic) != 0 || mark != byte_order_mark)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                             "%s: this is no state file of this version of scree and this kind of machine", name);
@@ -447,9 +462,9 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     if (status) return status;
     if (memories < 0 || memories > 2000000000L) memories = 0; /* damaged: the hash will tell */
     struct body_part *part = calloc((size_t)scene->bodies.count + 1, sizeof *part);
-    struct memory *memory = calloc((size_t)memories + 1, sizeof *memory);
+    struct memory *memory = NULL;
     struct scree_order order;
-    status = read_rest(scene, &s, name, &order, part, memory, memories);
+    status = read_rest(scene, &s, name, &order, part, &memory, memories);
     if (!status) status = apply(scene, &scalars, &order, part, memory, memories);
     free(part);
     free(memory);

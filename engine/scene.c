@@ -6,7 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-scree_scene *scree_scene_create(void) { return calloc(1, sizeof(scree_scene)); }
+scree_scene *scree_scene_create(void) {
+    scree_scene *scene = calloc(1, sizeof *scene);
+    if (!scene) return NULL;
+    struct scree_contacts *contacts = &scene->contacts;
+    contacts->deepest_ball = contacts->deepest_host = contacts->steepest_ball = contacts->steepest_host = -1;
+    return scene;
+}
 
 void scree_scene_destroy(scree_scene *scene) {
     if (!scene) return;
@@ -347,6 +353,9 @@ scree_status scree_scene_add_spheres(scree_scene *scene, const scree_spheres_def
     if (def->count < 1 || def->count > INT_MAX - scene->defs)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "count", "a group of spheres has at least one, got %d",
                             def->count);
+    if (def->first_number < 0 || def->first_number > INT_MAX - def->count)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "first_number", "spheres can't be numbered from %d on",
+                            def->first_number);
     scree_status status = check_new(scene, "group of spheres", def->name, -1);
     scene->trouble.body = -1;
     if (!status) status = room_for_group(scene);

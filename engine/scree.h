@@ -19,6 +19,10 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SCREE_VERSION "0.1.0"
 
 typedef struct scree_scene scree_scene;
@@ -87,7 +91,7 @@ typedef struct scree_time_def {
 /* Many spheres at once, alike but for what the arrays say. */
 typedef struct scree_spheres_def {
     const char *name; /* they are called "name 1", "name 2", … */
-    int first_number; /* … or from this number on; 0: 1 */
+    int first_number; /* … or from this number on, > 0; 0: 1 */
     int material;     /* index returned by scree_scene_add_material */
     scree_joint joint;
     int count;
@@ -101,7 +105,8 @@ typedef struct scree_spheres_def {
 
 typedef enum scree_generator {
     SCREE_LATTICE = 0, /* at the points of a cubic lattice, row by row from `min` on: x first, then y, then z */
-    SCREE_RANDOM,      /* anywhere in the box, one after the other, the largest first, so that none overlap */
+    SCREE_RANDOM, /* anywhere in the box, one after the other, the largest first, so that none overlap: neither each
+                     other nor spheres that the scene has already */
 } scree_generator;
 
 typedef enum scree_radii {
@@ -174,9 +179,9 @@ SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
 /* How many bodies sleep. */
 SCREE_API int scree_scene_asleep(const scree_scene *scene);
 
-/* Advance by `steps` >= 0 steps. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a body
- * faster than the list can follow; the trouble record names body, partner, time and cause, and the state is as it was
- * then, positions to their last digit but one. If the watch has halved the step meanwhile, the time reached is the
+/* Advance by `steps` steps, 0 to 1e15. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a
+ * body faster than the list can follow; the trouble record names body, partner, time and cause, and the state is as it
+ * was then, positions to their last digit but one. If the watch has halved the step meanwhile, the time reached is the
  * same, after as many more steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
 
@@ -221,7 +226,8 @@ SCREE_API int scree_scene_body_moves(const scree_scene *scene, int index);
 /* Energy in J since the start. `balance` is what the books lack: kinetic + rotational + potential + stored +
  * lost_normal + lost_tangential - driven, less its value at the start; the error of the integration. */
 typedef struct scree_energy {
-    double kinetic, rotational, potential, stored;
+    double kinetic, rotational, potential; /* of what forces can change: driven and fixed directions are left out */
+    double stored;
     double lost_normal, lost_tangential; /* dissipated in contacts; tangential: by friction and rolling resistance */
     double driven;                       /* put in by prescribed motions and by tilting gravity */
     double balance;
@@ -271,5 +277,9 @@ SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);
  * damaged one (the scene stays as it was). */
 SCREE_API scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name);
 SCREE_API scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *name);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -197,8 +197,9 @@ static scree_status step_once(scree_scene *scene, int more) {
 scree_status scree_scene_step(scree_scene *scene, long steps) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can step");
-    if (steps < 0)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "no scene goes back by %ld steps", -steps);
+    if (steps < 0 || steps > 1000000000000000)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a scene goes on by 0 to 1e15 steps, not %ld",
+                            steps);
     return scene->time.watch == SCREE_WATCH_HALVE ? scree_step_watched(scene, steps) : scree_step_plainly(scene, steps);
 }
 

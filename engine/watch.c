@@ -19,6 +19,7 @@ static int has_numbers(const double a[3]) { return isfinite(a[0]) && isfinite(a[
 /* A state that the next step would stop at isn't worth keeping. */
 static scree_status check_state(scree_scene *scene) {
     for (int k = 0; k < scene->bodies.count; k++) {
+        int number = scene->bodies.number[k];
         const struct scree_state *state = &scene->bodies.state[k];
         double way = vec_norm(vec_from(state->v)) * scene->step;
         if (has_numbers(scene->bodies.position[k]) && has_numbers(state->l) && way <= scene->contacts.chosen_skin)
@@ -27,9 +28,9 @@ static scree_status check_state(scree_scene *scene) {
             &scene->trouble, SCREE_FAILED, NULL,
             "stopped at t = %.9g s: body \"%s\": it is no longer where numbers reach, or moves too far in a step "
             "to be watched; the step is too large or a contact too stiff",
-            scree_scene_time(scene), scree_name_of(scene, k).text);
+            scree_scene_time(scene), scree_name_of(scene, number).text);
         scene->trouble.time = scree_scene_time(scene);
-        scene->trouble.body = k;
+        scene->trouble.body = number;
         scene->trouble.other = -1;
         return SCREE_FAILED;
     }
@@ -75,8 +76,8 @@ static double turned_over(struct scree_watched *watched, const scree_energy *ene
  * since a first touch begins with nothing. */
 static double too_little(const scree_scene *scene, const scree_energy *energy) {
     const struct scree_step_choice *choice = &scene->plan.choice;
-    const int *pair = choice->shortest_pair;
-    double mass = pair[0] >= 0 ? scree_effective_mass(&scene->bodies, pair[0], pair[1]) : 0.0;
+    const int *pair = choice->shortest_pair, *place = scene->bodies.place;
+    double mass = pair[0] >= 0 ? scree_effective_mass(&scene->bodies, place[pair[0]], place[pair[1]]) : 0.0;
     return 0.5e-6 * mass * choice->speed * choice->speed +
            1e-11 * (energy->stored + fabs(energy->potential) + fabs(lost(energy)) + fabs(energy->driven));
 }

@@ -3,6 +3,8 @@
 # usage: layering.sh SOURCE_ROOT STATIC_LIBRARY SHARED_LIBRARY
 root=$1 static=$(realpath "$2") shared=$(realpath "$3")
 failed=0
+includes=$(mktemp) || exit 1
+trap 'rm -f "$includes"' EXIT
 
 # Folders that a folder may include; libc and OpenMP headers are free, and the project names its folders in every include.
 allowed() {
@@ -23,7 +25,7 @@ cd "$root" || exit 1
 for file in $(find bodies contact solver engine bench tests \( -name '*.c' -o -name '*.h' \) | sort); do
     folder=$(dirname "$file")
     may=$(allowed "$folder")
-    grep -n '^[[:space:]]*#[[:space:]]*include' "$file" >/tmp/includes.$$
+    grep -n '^[[:space:]]*#[[:space:]]*include' "$file" >"$includes"
     while IFS=: read -r line text; do
         name=$(echo "$text" | sed 's/.*[<"]\(.*\)\.h[>"].*/\1/')
         case $text in
@@ -42,8 +44,7 @@ for file in $(find bodies contact solver engine bench tests \( -name '*.c' -o -n
             *) echo "$file:$line: $folder may not include \"$name.h\" (it may include: $may)"; failed=1 ;;
             esac ;;
         esac
-    done </tmp/includes.$$
-    rm -f /tmp/includes.$$
+    done <"$includes"
 done
 
 # Every symbol that the libraries define for others begins with scree_ (the sanitizers add some of their own).

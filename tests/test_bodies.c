@@ -153,6 +153,15 @@ static void test_formula_motions(void) {
 
     scree_motion_def velocity = {.kind = SCREE_MOTION_VELOCITY, .velocity = 2.0, .start = 1.0, .duration = 3.0};
     CHECK(scree_motion_bake(&velocity, &motion, &trouble) == SCREE_OK);
+    scree_motion_free(&motion);
+    static const scree_motion_def bad[] = {
+        {.kind = (scree_motion_kind)9},
+        {.kind = SCREE_MOTION_RISE, .rise = (scree_rise_law)2, .duration = 1.0, .stroke = 1.0},
+        {.kind = SCREE_MOTION_VELOCITY, .velocity = 1e308, .duration = 1e308},
+        {.kind = SCREE_MOTION_RISE, .duration = 1e-200, .stroke = 1.0}};
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
+        CHECK(scree_motion_bake(&bad[k], &motion, &trouble) == SCREE_BAD_INPUT && !motion.pieces);
+    CHECK(scree_motion_bake(&velocity, &motion, &trouble) == SCREE_OK);
     CHECK(scree_motion_at(&motion, 0.5).position == 0.0 && scree_motion_at(&motion, 2.0).position == 2.0);
     CHECK(scree_motion_at(&motion, 9.0).position == 6.0 && scree_motion_at(&motion, 9.0).velocity == 0.0);
     scree_motion_free(&motion);

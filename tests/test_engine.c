@@ -3,6 +3,7 @@
 #include "solver/conventional.h"
 #include "tests/scenes.h"
 
+#include <limits.h>
 #include <unistd.h>
 
 /* ---- impacts: order of the method ---- */
@@ -133,6 +134,30 @@ static double met_at(double speed, int friction) {
     double v = state_of(scene, "product").velocity[0];
     scree_scene_destroy(scene);
     return v;
+}
+
+/* A ball that slides all the time is said to slide, whatever the last digit of its friction. */
+static void test_sliding_is_told(void) {
+    static const char *const integrators[] = {"time.integrator=\"verlet\"", "time.integrator=\"pair-impulse\"",
+                                              "time.integrator=\"adaptive\""};
+    const char *text = "gravity = [0, 0, -9.81]\n[time]\nend = 0.1\nstep = 1e-4\n[[material]]\nname = \"m\"\n"
+                       "density = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+                       "normal = { law = \"linear\", stiffness = 1e4, restitution = 0.3 }\n"
+                       "friction = { law = \"coulomb\", static = 0.3, kinetic = 0.2, stiffness = 1e4 }\n"
+                       "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+                       "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\n"
+                       "position = [0, 0, 0.009996]\nvelocity = [3, 0, 0]\n";
+    for (size_t k = 0; k < sizeof integrators / sizeof *integrators; k++) {
+        scree_scene *scene = scene_from(text, &integrators[k], 1, 1);
+        for (int turn = 0; turn < 40; turn++) {
+            scree_contact_state contact;
+            int count = 0;
+            go(scene, 25);
+            CHECK(scree_scene_contacts(scene, &contact, 1, &count) == SCREE_OK && count == 1 && contact.sliding == 1);
+        }
+        CHECK(scree_scene_body(scene, 1).velocity[0] > 2.5);
+        scree_scene_destroy(scene);
+    }
 }
 
 static void test_restitution(void) {
@@ -374,6 +399,10 @@ static void test_same_bits(void) {
     FILE *full = fopen("/dev/full", "wb");
     CHECK(!full || scree_scene_save(scene, full, "full") == SCREE_NO_FILE);
     if (full) fclose(full);
+    FILE *folder = fopen("/", "rb");
+    CHECK(!folder || scree_scene_restore(other, folder, "folder") == SCREE_NO_FILE);
+    if (folder) fclose(folder);
+    CHECK(scree_scene_step(other, LONG_MIN) == SCREE_BAD_INPUT && scree_scene_step(other, LONG_MAX) == SCREE_BAD_INPUT);
 
     /* A damaged file, a cut one, and one of another scene change nothing. */
     uint64_t before = scree_scene_hash(other);
@@ -382,6 +411,16 @@ static void test_same_bits(void) {
     rewind(file);
     CHECK(scree_scene_restore(other, file, "memory") == SCREE_BAD_INPUT);
     CONTAINS(scree_scene_trouble(other)->text, "damaged");
+    for (long at = 0; at < 400; at++) { /* the head, with the number of contacts that follow */
+        fseek(file, at, SEEK_SET);
+        int byte = fgetc(file);
+        fseek(file, at, SEEK_SET);
+        fputc(byte ^ 0x40, file);
+        rewind(file);
+        CHECK(scree_scene_restore(other, file, "memory") == SCREE_BAD_INPUT);
+        fseek(file, at, SEEK_SET);
+        fputc(byte, file);
+    }
     CHECK(ftruncate(fileno(file), 9000) == 0);
     rewind(file);
     CHECK(scree_scene_restore(other, file, "memory") == SCREE_BAD_INPUT);
@@ -870,6 +909,7 @@ int main(void) {
     test_impact_order();
     test_incline();
     test_sliding_distance();
+    test_sliding_is_told();
     test_restitution();
     test_conventional();
     test_energy();

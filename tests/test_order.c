@@ -296,6 +296,31 @@ static void test_stop(void) {
     free(text);
 }
 
+/* Too fast for the next step, but not for the one that made it so: the watch names the body, wherever in memory it
+ * lies. */
+static void test_watch(void) {
+    const char *change = "time.watch=\"halve\"";
+    char *text = gas_text(1.5);
+    scree_scene *scene = scene_from(text, &change, 1, 1);
+    int fast = 0;
+    for (int k = 0; k < scree_scene_bodies(scene); k++) {
+        int place = scene->bodies.place[k];
+        if (scene->bodies.class[place] == SCREE_CLASS_BALL && place > k + 100) fast = k;
+    }
+    CHECK(fast > 0);
+    double gain = 3e2 * scene->step, most = scene->contacts.chosen_skin / scene->step;
+    double *v = scene->bodies.state[scene->bodies.place[fast]].v;
+    scene->gravity.vector[0] = 3e2;
+    v[0] = most - 0.6 * gain;
+    v[1] = v[2] = 0.0;
+    CHECK(scree_scene_step(scene, 1) == SCREE_OK && scree_scene_halvings(scene) == 1);
+    const scree_halving *halving = scree_scene_halving(scene, 0);
+    CHECK(halving && halving->cause.body == fast && strstr(halving->cause.text, "too far in a step to be watched"));
+    CHECK(halving && strstr(halving->cause.text, scree_scene_body_name(scene, fast).text));
+    scree_scene_destroy(scene);
+    free(text);
+}
+
 /* Once lists have grown, a step allocates nothing: neither lists, nor near lists, nor another order. In a gas a list
  * grows now and then all the same; most stretches of 500 steps, with some dozens of outer lists and an ordering each,
  * know nothing of it. */
@@ -326,6 +351,7 @@ int main(void) {
     test_same_bits(pair_impulse, 2);
     test_strays();
     test_stop();
+    test_watch();
     test_allocations();
     return check_report();
 }

@@ -104,6 +104,15 @@ static void test_random(void) {
     NEAR(half[0] / (half[0] + half[1]), 0.5, 0.2);
     scree_scene_destroy(scene);
 
+    /* Groups leave room for those before, single bodies among them. */
+    static const char *const fewer[] = {
+        "generate.0.count=700", "generate.1.count=700", "generate.1.name=\"more\"",
+        "body.0={name=\"large\", material=\"glass\", shape={sphere=0.02}, position=[0.025, "
+        "0.025, 0.025]}"};
+    scene = scene_from(HEAD "[[body]]\n" RANDOM RANDOM, fewer, 4, 1);
+    CHECK(scree_scene_bodies(scene) == 1401 && least_gap(scene, 0.0, 0.05) >= -1e-12);
+    scree_scene_destroy(scene);
+
     CHECK(hash_of(HEAD RANDOM) == hash_of(HEAD RANDOM));
     static const char *const other[] = {"generate.0.seed=4"};
     scene = scene_from(HEAD RANDOM, other, 1, 1);

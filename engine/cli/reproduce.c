@@ -89,10 +89,14 @@ static const struct {
 
 enum { FIGURES = sizeof list / sizeof list[0] };
 
-/* The folder with the scenes: beside the sources while they are there, else where it was installed. */
+/* The folder with the scenes: an installed program has its own, another one that beside the sources, if they are
+ * there. */
 static const char *find_data(void) {
-    return access(SCREE_SOURCE_DATA "/scenes/incline.toml", R_OK) == 0 ? SCREE_SOURCE_DATA "/scenes"
-                                                                       : SCREE_INSTALLED_DATA "/scenes";
+    char own[sizeof SCREE_INSTALLED + 1] = "";
+    ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
+    int installed = length > 0 && strcmp(own, SCREE_INSTALLED) == 0;
+    return !installed && access(SCREE_SOURCE_DATA "/scenes/incline.toml", R_OK) == 0 ? SCREE_SOURCE_DATA "/scenes"
+                                                                                     : SCREE_INSTALLED_DATA "/scenes";
 }
 
 static int find_figure(const char *name) {
