@@ -29,7 +29,8 @@ typedef struct scree_body_def {
     int material;          /* index returned by scree_scene_add_material */
     double mass;           /* kg; 0: density of the material times volume */
     double position[3];    /* of the centre of mass; of the origin for planes and rectangles */
-    double orientation[4]; /* quaternion, scalar first, body to world; need not be normalised */
+    double orientation[4]; /* quaternion, scalar first, body to world; need not be normalised; of a sphere that turns
+                              freely none is kept, whatever it begins with */
     double velocity[3];    /* along free directions only */
     double spin[3];        /* about free directions only */
     scree_joint joint;
