@@ -224,7 +224,12 @@ static void check_motion_columns(struct scree_reader *r, const char *path, const
                 all[count++] = motion_columns[m].names[n];
                 if (strcmp(name, motion_columns[m].names[n]) == 0) found = m;
             }
-        if (found < 0)
+        if (strcmp(name, "angle_deg") == 0)
+            scree_complain_in_table(
+                r, path, table->header, table->at[k],
+                "a table over the machine's angle is no motion over the time: write it with angle = "
+                "false in [servo]");
+        else if (found < 0)
             scree_complain_in_table(
                 r, path, table->header, table->at[k],
                 "there is no column \"%s\" in a motion table: it has time_s, position_m (or position_rad) "

@@ -397,6 +397,7 @@ static void test_motion_files(void) {
     static const char *const cases[][2] = {
         {"time_ms,position_m\n0,0\n1,1\n",
          "m.csv:1:1: there is no column \"time_ms\" in a motion table: it has time_s"},
+        {"angle_deg,position_m\n0,0\n1,1\n", "m.csv:1:1: a table over the machine's angle"},
         {"time_s, position_mm\n0,0\n1,1\n", "did you mean \"position_m\"?"},
         {"time,position,velocty\n0,0,0\n1,1,0\n", "m.csv:1:15: there is no column \"velocty\""},
         {"time,time_s,position\n0,0,0\n1,1,0\n", "m.csv:1:6: two columns for the time"},
