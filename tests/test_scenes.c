@@ -105,11 +105,10 @@ static void test_random(void) {
     scree_scene_destroy(scene);
 
     /* Groups leave room for those before, single bodies among them. */
-    static const char *const fewer[] = {
-        "generate.0.count=700", "generate.1.count=700", "generate.1.name=\"more\"",
-        "body.0={name=\"large\", material=\"glass\", shape={sphere=0.02}, position=[0.025, "
-        "0.025, 0.025]}"};
-    scene = scene_from(HEAD "[[body]]\n" RANDOM RANDOM, fewer, 4, 1);
+    static const char *const fewer[] = {"generate.0.count=700", "generate.1.count=700", "generate.1.name=\"more\""};
+    scene = scene_from(HEAD "[[body]]\nname = \"large\"\nmaterial = \"glass\"\nshape = { sphere = 0.02 }\n"
+                            "position = [0.025, 0.025, 0.025]\n" RANDOM RANDOM,
+                       fewer, 3, 1);
     CHECK(scree_scene_bodies(scene) == 1401 && least_gap(scene, 0.0, 0.05) >= -1e-12);
     scree_scene_destroy(scene);
 
