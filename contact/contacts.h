@@ -226,6 +226,14 @@ struct scree_tally {
     int too_far; /* a body has outgrown its margin */
 };
 
+/* Contact by contact: the sum mustn't depend on how they fall into blocks. */
+static inline void scree_tally_losses(struct scree_tally *tally, const struct scree_losses *lost, int count) {
+    for (int k = 0; k < count; k++) {
+        tally->lost_normal += lost->normal[k];
+        tally->work_tangential += lost->tangential[k];
+    }
+}
+
 /* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these.
  * What is found is numbers: ~k, then all that body k has found. */
 enum { SCREE_PARTS = 32 };

@@ -579,10 +579,7 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
         contacts->loop->add_up(bodies, &batch->ends[first], count, batch->any_turns, hosts, &yield, &moments);
         add_turn_moments(bodies, batch, first, count, hosts, &moments);
         for (int lane = 0; lane < count; lane++) tally_up(&batch->ends[first + lane], &yield, lane, tally);
-        for (int lane = 0; contacts->measured && lane < count; lane++) {
-            tally->lost_normal += yield.lost.normal[lane];
-            tally->work_tangential += yield.lost.tangential[lane];
-        }
+        if (contacts->measured) scree_tally_losses(tally, &yield.lost, count);
     }
 }
 

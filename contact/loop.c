@@ -536,10 +536,7 @@ static void note_losses(const struct block *b, int count, const struct scree_rul
                         struct scree_tally *tally) {
     struct scree_losses lost;
     measure_losses(b, count, rule, step, &lost);
-    for (int k = 0; k < count; k++) {
-        tally->lost_normal += lost.normal[k];
-        tally->work_tangential += lost.tangential[k];
-    }
+    scree_tally_losses(tally, &lost, count);
 }
 
 /* The steepest friction, of laws that have a slope. */

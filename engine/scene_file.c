@@ -225,10 +225,9 @@ static void check_motion_columns(struct scree_reader *r, const char *path, const
                 if (strcmp(name, motion_columns[m].names[n]) == 0) found = m;
             }
         if (strcmp(name, "angle_deg") == 0)
-            scree_complain_in_table(
-                r, path, table->header, table->at[k],
-                "a table over the machine's angle is no motion over the time: write it with angle = "
-                "false in [servo]");
+            scree_complain_in_table(r, path, table->header, table->at[k],
+                                    "a table over the machine's angle is no motion over the time: [servo] angle = "
+                                    "false writes one that is");
         else if (found < 0)
             scree_complain_in_table(
                 r, path, table->header, table->at[k],
