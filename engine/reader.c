@@ -1,6 +1,7 @@
 /* Typed access to the tables of a TOML file, with messages that name file, line and column. */
 #include "engine/reader.h"
 
+#include "engine/c_locale.h"
 #include "engine/file.h"
 
 #include <math.h>
@@ -19,6 +20,26 @@ void scree_complain(struct scree_reader *r, const struct scree_toml *node, const
     r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, r->name, node ? node->line : 0, node ? node->column : 0,
                                 format, arguments);
     va_end(arguments);
+}
+
+/* ---- the whole file ---- */
+
+scree_status scree_read_toml(const char *path, const char *const *assignments, int count, scree_read_root *read,
+                             void *into, scree_trouble *trouble) {
+    size_t size;
+    char *text = scree_read_file(path, SCREE_TOML_LARGEST, &size, trouble);
+    if (!text) return trouble->status;
+    struct scree_reader r = {.name = strcmp(path, "-") ? path : "standard input", .trouble = trouble, .into = into};
+    struct scree_toml_document document;
+    struct scree_c_locale locale = scree_enter_c_locale();
+    r.status = scree_toml_parse(text, size, r.name, &document, trouble);
+    for (int k = 0; k < count && !r.status; k++) r.status = scree_toml_set(&document, assignments[k], trouble);
+    r.root = document.root;
+    if (!r.status) read(&r);
+    scree_toml_free(&document);
+    scree_leave_c_locale(locale);
+    free(text);
+    return r.status;
 }
 
 /* ---- typed access ---- */
@@ -132,27 +153,33 @@ static char *beside_file(const struct scree_reader *r, const char *file) {
     return path;
 }
 
-enum { LARGEST_TABLE = 1 << 30 };
-
-/* The path of the file that a string names, to be freed, and its text; NULL after a complaint. */
-static char *read_file_beside(struct scree_reader *r, const struct scree_toml *node, char **text, size_t *size) {
+char *scree_read_path_beside(struct scree_reader *r, const struct scree_toml *node) {
     if (!node->string[0] || strcmp(node->string, "-") == 0) {
-        scree_complain(r, node, "file must name a table (standard input can't be one)");
+        scree_complain(r, node, "%s must name a file (standard input can't be one)", node->key);
         return NULL;
     }
     char *path = beside_file(r, node->string);
-    *text = path ? scree_read_file(path, LARGEST_TABLE, size, r->trouble) : NULL;
+    if (!path) r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
+    return path;
+}
+
+char *scree_read_file_beside(struct scree_reader *r, const struct scree_toml *node, size_t largest, char **text,
+                             size_t *size) {
+    char *path = scree_read_path_beside(r, node);
+    *text = path ? scree_read_file(path, largest, size, r->trouble) : NULL;
     if (*text) return path;
-    r->status = path ? r->trouble->status : scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
+    if (path) r->status = r->trouble->status;
     free(path);
     return NULL;
 }
+
+enum { LARGEST_TABLE = 1 << 30 };
 
 char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
                             struct scree_table *table) {
     char *text = NULL;
     size_t size = 0;
-    char *path = read_file_beside(r, node, &text, &size);
+    char *path = scree_read_file_beside(r, node, LARGEST_TABLE, &text, &size);
     if (path) r->status = scree_table_parse(text, size, path, rising, table, r->trouble);
     free(text);
     if (!r->status) return path;
@@ -164,7 +191,7 @@ char *scree_read_word_file(struct scree_reader *r, const struct scree_toml *node
                            struct scree_table *table, char **text) {
     size_t size = 0;
     *text = NULL;
-    char *path = read_file_beside(r, node, text, &size);
+    char *path = scree_read_file_beside(r, node, LARGEST_TABLE, text, &size);
     if (path) r->status = scree_table_parse_words(*text, size, path, words, table, r->trouble);
     if (!r->status) return path;
     free(path);

@@ -15,6 +15,12 @@ struct scree_reader {
     void *into;          /* what the file is read into */
 };
 
+/* Read a file ("-": standard input), changed by `count` assignments (see scree_toml_set), with `read`, which begins at
+ * the reader's root and reads into `into`. */
+typedef void scree_read_root(struct scree_reader *r);
+scree_status scree_read_toml(const char *path, const char *const *assignments, int count, scree_read_root *read,
+                             void *into, scree_trouble *trouble);
+
 /* Complain about a node (NULL: the file). */
 SCREE_PRINTF(3, 4)
 void scree_complain(struct scree_reader *r, const struct scree_toml *node, const char *format, ...);
@@ -43,6 +49,12 @@ void scree_read_each(struct scree_reader *r, const struct scree_toml *root, cons
 
 /* Index of a string among NULL-terminated words, or 0 with a complaint. */
 int scree_choose(struct scree_reader *r, const struct scree_toml *node, const char *what, const char *const *words);
+
+/* The path of the file that a string names, relative to the folder of the file that is read; to be freed, NULL after a
+ * complaint. And its content, of at most `largest` bytes, into `text`, to be freed. */
+char *scree_read_path_beside(struct scree_reader *r, const struct scree_toml *node);
+char *scree_read_file_beside(struct scree_reader *r, const struct scree_toml *node, size_t largest, char **text,
+                             size_t *size);
 
 /* Read the table that a string names, beside the file; `rising` names a column that must increase, NULL: none. Its
  * path, to be freed; NULL after a complaint. */

@@ -34,7 +34,7 @@ check version 0 'scree 0.' "$scree" --version
 check help 0 'usage: scree COMMAND' "$scree" --help
 check 'no command' 2 'usage' "$scree"
 check 'unknown command' 2 'did you mean "check"?' "$scree" chek
-for command in run check reproduce plan impact laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
+for command in run check reproduce plan impact fit laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
 check 'unknown option' 2 'did you mean "--threads"?' "$scree" run --thread 2
 check 'missing value' 2 'needs a value' "$scree" run x.toml -o
 check 'bad number' 2 'whole number' "$scree" run x.toml --threads two
@@ -246,8 +246,13 @@ cat "$root/engine/scene_file.c" "$root/engine/scene_spheres.c" | sed -n '/char \
     tr -d '"' | sort -u >"$work/keys"
 expect 'keys of scene files' test "$(wc -l <"$work/keys")" -ge 50
 for key in $(cat "$work/keys"); do expect "the README has the key $key" grep -qw "$key" "$work/keys.md"; done
+# The same of fit files.
+sed -n '/^## Fitting/,/^## The suites/p' "$root/README.md" >"$work/keys.md"
+sed -n '/char \*const keys\[\]/,/;/p' "$root/engine/cli/fit_file.c" | grep -o '"[a-z_]*"' | tr -d '"' | sort -u >"$work/keys"
+expect 'keys of fit files' test "$(wc -l <"$work/keys")" -ge 12
+for key in $(cat "$work/keys"); do expect "the README has the key $key" grep -qw "$key" "$work/keys.md"; done
 # Whatever runs of the tree's scenes leave in the tree is ignored there.
-for scene in "$scenes"/*.toml "$root"/data/transport/*.toml; do
+for scene in "$scenes"/*.toml "$root"/data/transport/*.toml "$root"/data/fit/*.toml; do
     expect "the folder of $scene is ignored" grep -q "^/$(basename "$scene" .toml)/" "$root/.gitignore"
 done
 
@@ -536,6 +541,44 @@ check 'a scene that lacks a body' 2 'lacking.toml: a process model needs a body 
     --set "model.scene=\"$work/lacking.toml\""
 check 'a restitution above 1' 2 'must be > 0 and <= 1' plan "$transport/bars.toml" --set model.tine_restitution=1.5
 check 'no model' 2 'needs a [model]' plan "$transport/rigid.toml" --set 'plan.formulation="C"'
+
+# Fits. The records of data/fit are made with restitution = 0.55, stiffness = 8e4 N/m and noise of 5 mm/s, which is 1.2 % of
+# the change of velocity; 301 readings, half of them after the impact, give 1e-3 and less.
+cat >"$work/fit.toml" <<END
+body = "product"
+set = ["contact.1.normal.restitution={restitution}", "contact.1.normal.stiffness={stiffness}"]
+[parameter]
+restitution = { start = 0.5, min = 0.05, max = 1 }
+stiffness = { start = 1e5, min = 1e3 }
+[[experiment]]
+scene = "$scenes/restitution.toml"
+record = "$root/data/fit/impact.csv"
+[[experiment]]
+scene = "$scenes/restitution.toml"
+record = "$root/data/fit/impact.csv"
+END
+fit() { "$scree" fit "$work/fit.toml" -o "$work/fit" "$@"; }
+check 'fit' 0 'stiffness' fit
+expect 'fit: both are found' awk -F, -v OFS=, '$1 == "restitution" { a = ($2 - 0.55)/$3 } $1 == "stiffness" { b = ($2 - 8e4)/$3 }
+    END { exit !(a^2 < 16 && b^2 < 16) }' "$work/fit/fit.csv"
+expect 'fit: errors as small as readings allow' awk -F, '$1 == "restitution" { exit !($3 < 1e-3) }' "$work/fit/fit.csv"
+expect 'fit: a row a reading' test "$(wc -l <"$work/fit/record_2.csv")" -eq 302
+expect 'fit: a script for the plot' test -e "$work/fit/record_2.gp"
+sed '/^\[\[experiment/,$d' "$work/fit.toml" >"$work/part.toml"
+sed -n '/^\[\[experiment/,$p' "$work/fit.toml" | sed 3q >>"$work/part.toml"
+sed -i 's/^\[\[experiment.*/&\ndelay = "delay"/; s/^\[parameter.*/&\ndelay = { start = 0, difference = 1e-6, min = -1e-4, max = 0 }/' "$work/part.toml"
+sed -i 's/^set = \[/&"time.end=0.0062", /' "$work/part.toml"
+check 'fit: a clock that is right' 0 'delay' "$scree" fit "$work/part.toml" -o "$work/fit"
+expect 'fit: no record of an earlier one is left' test ! -e "$work/fit/record_2.csv" -a ! -e "$work/fit/record_2.gp"
+cp "$work/fit/fit.csv" "$work/kept.csv"
+check 'fit: a change to the file' 2 'start must be from min to max' fit --set parameter.restitution.start=2
+check 'fit: a scene that stops' 2 'there is no "3"' fit --set 'set=["contact.3.normal.restitution={restitution}", "{stiffness}"]'
+check 'fit: nothing tells a parameter' 1 'not told by the records' fit \
+    --set 'set=["contact.1.normal.restitution={restitution}", "body.product.spin=[0,0,0]", "time.speed={stiffness}"]' -o "$work/untold"
+expect 'fit: what was there stays' cmp -s "$work/kept.csv" "$work/fit/fit.csv"
+check 'fit: no file' 2 'No such file' "$scree" fit "$work/none.toml" -o "$work/nothing"
+check 'fit: no record' 2 'none.csv: No such file' fit --set 'experiment.1.record="none.csv"' -o "$work/nothing"
+nothing_left "$work/nothing"
 
 echo "$checks checks, $([ $failed -eq 0 ] && echo none || echo some) failed"
 exit $failed

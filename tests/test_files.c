@@ -349,7 +349,7 @@ static void test_scene_errors(void) {
         {17, "velocity = 1", "s.toml:17:12:", "of kind \"table\""},
         {16, "kind = \"sine\"", "s.toml:17:8:", "of kind \"sine\""},
         {17, "file = \"-\"", "s.toml:17:8:", "standard input can't be one"},
-        {17, "file = \"\"", "s.toml:17:8:", "must name a table"},
+        {17, "file = \"\"", "s.toml:17:8:", "must name a file"},
         {23, "joint = { turn = { hinge = [0, 0, 0] } }", "s.toml:23:28:", "hinge must not be zero"},
         {23, "joint = { turn = { hinge = [0, 0, 1], motion = \"nobody\" } }", "s.toml:23:18:", "either a hinge"},
         {23, "joint = { turn = { hinge = [0, 0, 1], axis = [0, 0, 1] } }", "s.toml:23:18:", "either a hinge"},

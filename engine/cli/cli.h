@@ -12,6 +12,7 @@ int cli_check(int count, char **words);
 int cli_reproduce(int count, char **words);
 int cli_plan(int count, char **words);
 int cli_impact(int count, char **words);
+int cli_fit(int count, char **words);
 int cli_laws(int count, char **words);
 
 /* Name that messages begin with; "scree" unless a program changes it. */
@@ -39,6 +40,10 @@ int cli_check_isa(void);
 
 /* The exit code that goes with a status. */
 int cli_exit_code(scree_status status);
+
+/* The folder for the results of a file, "scenes/drop.toml" -> "drop", with `ending` behind it; `unnamed` for standard
+ * input. To be freed; NULL if there is no memory. */
+char *cli_default_folder(const char *path, const char *unnamed, const char *ending);
 
 /* A whole number from 1 to `most`, 0 after a complaint. */
 int cli_whole_number(const char *text, const char *option, int most);

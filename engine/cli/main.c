@@ -17,6 +17,7 @@ static const char help[] =
     "                   the verification experiments and the figures of the process model\n"
     "  plan TRANSPORT   motion profiles for operating speeds, characteristic map, servo tables\n"
     "  impact           two bodies meet: restitution, rebound, contact time, forces, for any laws, over a sweep\n"
+    "  fit FIT          parameters of a scene, adjusted to measured records, with confidence intervals\n"
     "  laws [NAME]      the catalogue of contact laws: formula, source, parameters\n"
     "\n"
     "`scree COMMAND --help` tells more. Exit status: 0 success, 1 a result misses its bound or the "
@@ -27,7 +28,8 @@ static const struct {
     const char *name;
     int (*run)(int count, char **words);
 } commands[] = {{"run", cli_run},   {"check", cli_check},   {"reproduce", cli_reproduce},
-                {"plan", cli_plan}, {"impact", cli_impact}, {"laws", cli_laws}};
+                {"plan", cli_plan}, {"impact", cli_impact}, {"fit", cli_fit},
+                {"laws", cli_laws}};
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

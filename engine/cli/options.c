@@ -32,6 +32,16 @@ int cli_exit_code(scree_status status) {
                                                                  : EXIT_USAGE;
 }
 
+char *cli_default_folder(const char *path, const char *unnamed, const char *ending) {
+    const char *slash = strrchr(path, '/'), *name = strcmp(path, "-") == 0 ? unnamed : slash ? slash + 1 : path;
+    char *folder = malloc(strlen(name) + strlen(ending) + 1);
+    if (!folder) return NULL;
+    strcpy(folder, name);
+    char *dot = strrchr(folder, '.');
+    if (dot && dot > folder) *dot = '\0';
+    return strcat(folder, ending);
+}
+
 int cli_whole_number(const char *text, const char *option, int most) {
     char *end;
     errno = 0;

@@ -567,15 +567,6 @@ static void print_limits(const struct planning *p) {
 
 /* ---- the whole ---- */
 
-/* "transport/bars.toml" -> "bars"; to be freed. */
-static char *default_folder(const char *path) {
-    const char *slash = strrchr(path, '/');
-    char *folder = strdup(strcmp(path, "-") == 0 ? "plan" : slash ? slash + 1 : path);
-    char *dot = folder ? strrchr(folder, '.') : NULL;
-    if (dot && dot > folder) *dot = '\0';
-    return folder;
-}
-
 /* A file of this program in the folder that the plan just made hasn't got: of an earlier one, and not to be taken for
  * this. */
 static int is_stale(const struct planning *p, const char *name) {
@@ -666,7 +657,7 @@ int cli_plan(int count, char **words) {
     struct planning p = {.threads = processors > 0 ? (int)processors : 1};
     if (threads) p.threads = cli_whole_number(threads, "--threads", 1024);
     if (!p.threads) return EXIT_USAGE;
-    char *named = folder ? NULL : default_folder(words[0]);
+    char *named = folder ? NULL : cli_default_folder(words[0], "plan", "");
     p.output = (struct figures){.folder = folder ? folder : named, .plots = 1, .threads = p.threads};
     scree_status status = transport_file_read(words[0], assignments, assignment_count, &p.file, &p.output.trouble);
     struct scree_c_locale locale = scree_enter_c_locale();

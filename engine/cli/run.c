@@ -47,19 +47,6 @@ struct run {
 /* A balance beyond this share of the energy turned over is told at the end. */
 static const double tolerable_gap = 0.1;
 
-/* "scenes/drop.toml" -> "drop", or "drop-resumed"; to be freed, NULL if there is no memory. */
-static char *default_folder(const char *scene, int resumed) {
-    static const char ending[] = "-resumed";
-    const char *slash = strrchr(scene, '/'), *name = strcmp(scene, "-") == 0 ? "scene" : slash ? slash + 1 : scene;
-    char *folder = malloc(strlen(name) + sizeof ending);
-    if (!folder) return NULL;
-    strcpy(folder, name);
-    char *dot = strrchr(folder, '.');
-    if (dot && dot > folder) *dot = '\0';
-    if (resumed) strcat(folder, ending);
-    return folder;
-}
-
 static void show_progress(struct run *run, long done, long all) {
     if (run->quiet || !isatty(STDERR_FILENO) || (time(NULL) == run->shown && done < all)) return;
     run->shown = time(NULL);
@@ -333,7 +320,7 @@ int cli_run(int count, char **words) {
     int thread_count = threads ? cli_whole_number(threads, "--threads", 1024) : 0;
     if (threads && !thread_count) return EXIT_USAGE;
 
-    char *named = folder ? NULL : default_folder(words[0], state != NULL);
+    char *named = folder ? NULL : cli_default_folder(words[0], "scene", state ? "-resumed" : "");
     scree_status status =
         scree_load_scene(words[0], assignments, assignment_count, thread_count, &run.scene, &run.request, &run.trouble);
     if (!status && !folder && !named)

@@ -1,8 +1,6 @@
 /* A transport file: the task that `scree plan` works on. */
 #include "engine/cli/transport_file.h"
 
-#include "engine/c_locale.h"
-#include "engine/file.h"
 #include "engine/reader.h"
 
 #include <math.h>
@@ -73,17 +71,10 @@ static void read_task(struct scree_reader *r, struct transport_file *f) {
     f->task.largest_jerk = read_positive(r, drive, "jerk", 0.0);
 }
 
-/* The scene's path is relative to the transport file. */
 static void load_model(struct scree_reader *r, const struct scree_toml *node, struct transport_file *f) {
-    const char *slash = strrchr(r->name, '/');
-    char *folder = strndup(r->name, slash && node->string[0] != '/' ? (size_t)(slash - r->name) : 0);
-    char *path = !folder ? NULL : folder[0] ? scree_join(folder, node->string) : strdup(node->string);
+    char *path = scree_read_path_beside(r, node);
     scree_trouble cause = {0};
-    if (!path)
-        r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory");
-    else if (process_load(&f->process, path, &f->task, &cause))
-        scree_complain(r, node, "%s", cause.text);
-    free(folder);
+    if (path && process_load(&f->process, path, &f->task, &cause)) scree_complain(r, node, "%s", cause.text);
     free(path);
 }
 
@@ -248,21 +239,7 @@ static void read_root(struct scree_reader *r) {
 scree_status transport_file_read(const char *path, const char *const *assignments, int count,
                                  struct transport_file *transport, scree_trouble *trouble) {
     *transport = (struct transport_file){.title = NULL};
-    size_t size;
-    char *text = scree_read_file(path, SCREE_TOML_LARGEST, &size, trouble);
-    if (!text) return trouble->status;
-    struct scree_reader r = {
-        .name = strcmp(path, "-") ? path : "standard input", .trouble = trouble, .into = transport};
-    struct scree_toml_document document;
-    struct scree_c_locale locale = scree_enter_c_locale();
-    r.status = scree_toml_parse(text, size, r.name, &document, trouble);
-    for (int k = 0; k < count && !r.status; k++) r.status = scree_toml_set(&document, assignments[k], trouble);
-    r.root = document.root;
-    if (!r.status) read_root(&r);
-    scree_toml_free(&document);
-    scree_leave_c_locale(locale);
-    free(text);
-    return r.status;
+    return scree_read_toml(path, assignments, count, read_root, transport, trouble);
 }
 
 void transport_file_free(struct transport_file *transport) {
