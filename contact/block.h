@@ -267,16 +267,18 @@ static inline int some_meet_or_part(const struct block *b, int count, double ste
     return some;
 }
 
-/* Share of the step during which the bodies touch: 1 or 0, as `touching`, but for the steps in which they meet or
- * part. */
+/* Share of the step during which bodies overlap that do so by `overlap` in its middle: 1 or 0, but for the steps in
+ * which they meet or part. */
+static inline double share_of(double overlap, double closing, double step) {
+    double way = 0.5 * step * fabs(closing) + SCREE_NO_SPEED;
+    double share = 0.5 + 0.5 * (overlap / way);
+    share = share < 1.0 ? share : 1.0;
+    return share > 0.0 ? share : 0.0;
+}
+
 static inline void share_out(int count, double step, struct block *b) {
     _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) {
-        double way = 0.5 * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
-        double share = 0.5 + 0.5 * (b->overlap[k] / way);
-        share = share < 1.0 ? share : 1.0;
-        b->share[k] = share > 0.0 ? share : 0.0;
-    }
+    for (int k = 0; k < padded(count); k++) b->share[k] = share_of(b->overlap[k], b->closing[k], step);
 }
 
 /* `contact`: as name_contacts gives them. */

@@ -111,6 +111,8 @@ struct scree_normal_law {
     /* Largest gap at which bodies that have touched still pull each other, m; NULL: none. Such a law keeps in `second`
      * whether they do (> 0). */
     double (*reach)(const struct scree_law_constants *law, struct scree_pair_constants pair);
+    /* Force that is there at once, not growing from zero, where contact begins, or where it ends, N. NULL: none. */
+    double (*jump)(const struct scree_law_constants *law, struct scree_pair_constants pair, int ends);
     /* Closed form of the restitution of two bodies of effective mass `mass` that meet at `speed`; NULL if none. */
     double (*restitution)(const struct scree_law_constants *law, struct scree_pair_constants pair, double mass,
                           double speed);

@@ -20,13 +20,24 @@
 typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
                       double *const *kept, double step);
 
+/* What a force that is there at once, not growing from zero, adds in a step in which bodies meet or part: its share of
+ * the step, less what the law says of the middle of the step (`touching`). */
+static SCREE_INLINE double jump_of(const struct scree_normal_law *normal, const struct scree_law_constants *constants,
+                                   struct scree_pair_constants pair, struct scree_pressing at, double touching,
+                                   double share, double step) {
+    int held = normal->reach && at.second > 0.0; /* parting is farther off then */
+    if (normal->reach && held == (at.closing > 0.0)) return 0.0;
+    if (held) share = share_of(at.overlap + normal->reach(constants, pair), at.closing, step);
+    return (share - touching) * normal->jump(constants, pair, held);
+}
+
 /* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step
  * in which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The
  * spring is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked
  * up, not compared again: a second comparison would make a branch of the law, and no vector. */
 #define NORMAL_PASS(word)                                                                                              \
     static SCREE_INLINE void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,     \
-                                              const double *const *pair, double *const *kept) {                        \
+                                              const double *const *pair, double *const *kept, double step) {           \
         double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
         struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                      \
         struct scree_pressing at = {b->overlap[k], b->closing[k], 0.0, 0.0};                                           \
@@ -39,24 +50,26 @@ typedef void law_pass(struct block *b, int count, const struct scree_law_constan
             own[0][k] = f.first;                                                                                       \
             own[1][k] = f.second;                                                                                      \
         }                                                                                                              \
-        double touching = b->touching[k], share = b->share[k];                                                         \
         if (scree_normal_##word.reach) {                                                                               \
-            touching = share = f.second > 0.0 ? 1.0 : 0.0;                                                             \
+            b->touching[k] = f.second > 0.0 ? 1.0 : 0.0;                                                               \
             b->snap[k] =                                                                                               \
-                touching > at.second ? scree_snap_energy(scree_normal_##word.stored, constants, of_pair) : 0.0;        \
-            b->touching[k] = touching;                                                                                 \
+                b->touching[k] > at.second ? scree_snap_energy(scree_normal_##word.stored, constants, of_pair) : 0.0;  \
         }                                                                                                              \
-        double force = touching * f.elastic + share * f.damping * at.closing;                                          \
-        force = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                                  \
-        b->force[k] = force;                                                                                           \
+        double touching = b->touching[k], share = b->share[k], spring = touching * f.elastic;                          \
         b->reversible[k] = touching * f.reversible;                                                                    \
+        if (scree_normal_##word.jump) {                                                                                \
+            double jump = jump_of(&scree_normal_##word, constants, of_pair, at, touching, share, step);                \
+            spring += jump;                                                                                            \
+            b->reversible[k] += jump;                                                                                  \
+        }                                                                                                              \
+        double force = spring + share * f.damping * at.closing;                                                        \
+        b->force[k] = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                            \
     }                                                                                                                  \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
                                    const double *const *pair, double *const *kept, double step) {                      \
         struct scree_law_constants constants = *law;                                                                   \
-        (void)step;                                                                                                    \
         _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) normal_at_##word(b, k, &constants, pair, kept);                        \
+        for (int k = 0; k < padded(count); k++) normal_at_##word(b, k, &constants, pair, kept, step);                  \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
 
@@ -100,7 +113,7 @@ SCREE_FRICTION_LAWS(FRICTION_PASS)
         double half = 0.5 * step;                                                                                      \
         _Pragma("omp simd")                                                                                            \
         for (int k = 0; k < padded(count); k++) {                                                                      \
-            normal_at_##one(b, k, &normal, pair, kept);                                                                \
+            normal_at_##one(b, k, &normal, pair, kept, step);                                                          \
             friction_at_##other(b, k, &friction, pair, kept, half);                                                    \
         }                                                                                                              \
     }

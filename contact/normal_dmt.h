@@ -28,6 +28,12 @@ static inline double dmt_stored(const struct scree_law_constants *law, struct sc
     return hertz_stored(law, pair, at) - pair.c[DMT_PULL] * d;
 }
 
+static inline double dmt_jump(const struct scree_law_constants *law, struct scree_pair_constants pair, int ends) {
+    (void)law;
+    (void)ends;
+    return -pair.c[DMT_PULL];
+}
+
 static inline scree_status normal_dmt_bake(const struct scree_values *values, struct scree_law_constants *law,
                                            scree_trouble *trouble) {
     (void)trouble;
@@ -66,6 +72,7 @@ static const struct scree_normal_law scree_normal_dmt = {
     .pair = dmt_pair,
     .force = normal_dmt_force,
     .stored = dmt_stored,
+    .jump = dmt_jump,
     .restitution = normal_dmt_restitution,
 };
 

@@ -55,6 +55,12 @@ static inline double jkr_reach(const struct scree_law_constants *law, struct scr
     return 3.0 * pair.c[JKR_LENGTH];
 }
 
+/* At x^3 = 4 and x = 1. */
+static inline double jkr_jump(const struct scree_law_constants *law, struct scree_pair_constants pair, int ends) {
+    (void)law;
+    return pair.c[JKR_FORCE] * (ends ? -5.0 / 6.0 : -4.0 / 3.0);
+}
+
 static inline scree_status normal_jkr_bake(const struct scree_values *values, struct scree_law_constants *law,
                                            scree_trouble *trouble) {
     (void)trouble;
@@ -98,6 +104,7 @@ static const struct scree_normal_law scree_normal_jkr = {
     .force = normal_jkr_force,
     .stored = jkr_stored,
     .reach = jkr_reach,
+    .jump = jkr_jump,
     .restitution = normal_jkr_restitution,
 };
 
