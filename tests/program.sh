@@ -572,10 +572,21 @@ check 'fit: a clock that is right' 0 'delay' "$scree" fit "$work/part.toml" -o "
 expect 'fit: no record of an earlier one is left' test ! -e "$work/fit/record_2.csv" -a ! -e "$work/fit/record_2.gp"
 cp "$work/fit/fit.csv" "$work/kept.csv"
 check 'fit: a change to the file' 2 'start must be from min to max' fit --set parameter.restitution.start=2
-check 'fit: a scene that stops' 2 'there is no "3"' fit --set 'set=["contact.3.normal.restitution={restitution}", "{stiffness}"]'
+check 'fit: a scene that stops' 2 'there is no "3"' fit --set 'set=["contact.3.normal.restitution={restitution}", "time.speed={stiffness}"]'
 check 'fit: nothing tells a parameter' 1 'not told by the records' fit \
     --set 'set=["contact.1.normal.restitution={restitution}", "body.product.spin=[0,0,0]", "time.speed={stiffness}"]' -o "$work/untold"
 expect 'fit: what was there stays' cmp -s "$work/kept.csv" "$work/fit/fit.csv"
+mkdir "$work/own"
+cp "$root/data/fit/impact.csv" "$work/own/record_1.csv"
+cp "$root/data/fit/impact.csv" "$work/own/record_3.csv"
+check 'fit: records where results would go' 2 'name another one with -o' fit --set "experiment.0.record=\"$work/own/record_1.csv\"" -o "$work/own"
+expect 'fit: they are as they were' cmp -s "$root/data/fit/impact.csv" "$work/own/record_1.csv"
+check 'fit: beside files of such names' 0 'written to' fit -o "$work/own"
+expect 'fit: what it has not written stays' cmp -s "$root/data/fit/impact.csv" "$work/own/record_3.csv"
+check 'fit: into a file' 2 'Not a directory' fit -o "$work/fit.toml/deep"
+echo stale >"$work/own/record_1.svg"
+check 'fit: without gnuplot' 0 "can't be started" env PATH="$work" "$scree" fit "$work/fit.toml" -o "$work/own"
+expect 'fit: no plot of other data stays' test ! -e "$work/own/record_1.svg"
 check 'fit: no file' 2 'No such file' "$scree" fit "$work/none.toml" -o "$work/nothing"
 check 'fit: no record' 2 'none.csv: No such file' fit --set 'experiment.1.record="none.csv"' -o "$work/nothing"
 nothing_left "$work/nothing"

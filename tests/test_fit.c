@@ -244,17 +244,53 @@ static void test_delay(void) {
     fit_file_free(&file);
 }
 
-/* A parameter at its bound, and one of which no reading depends. */
+/* A clock that is right, of a record that begins with the scene: no later delay can be tried. */
+static void test_no_delay(void) {
+    write_record("z_m");
+    struct fit_file file = fit_of("[parameter]\ndelay = { start = -1e-3 }\n" EXPERIMENT "delay = \"delay\"\n"
+                                  "set = [\"time.end=0.2\"]\n");
+    struct fit_experiment *e = &file.experiment[0];
+    double delay = 0.0;
+    for (size_t row = 1; row < e->rows; row++) e->time[row] -= e->time[0];
+    e->time[0] = 0.0;
+    file.parameter[0].high = 0.0;
+    measure(&file, &delay);
+    struct fit_result result = solved(&file, 1);
+    CHECK(result.outcome.converged);
+    NEAR(result.value[0], 0.0, 1e-9);
+    fit_free_result(&result);
+    fit_file_free(&file);
+}
+
+/* A start from which no way leads: the last trial is told, and there are no intervals. */
+static void test_adrift(void) {
+    write_record("z_m");
+    struct fit_file file =
+        fit_of("[parameter.e]\nstart = 0.9\n" EXPERIMENT "set = [\"contact.0.normal.restitution={e}\"]\n");
+    struct fit_experiment *e = &file.experiment[0];
+    measure(&file, &truth[1]);
+    /* As if it had come back twice as high as it fell from: beyond a restitution of 1. */
+    for (size_t row = 0; row < e->rows; row++) e->reading[0][row] += e->time[row] > 0.08 ? 0.04 : 0.0;
+    struct fit_result result = solved(&file, 1);
+    CHECK(!result.outcome.converged && result.state[0] == FIT_ADRIFT && isnan(result.error[0]));
+    CONTAINS(result.refused.text, "restitution");
+    fit_free_result(&result);
+    fit_file_free(&file);
+}
+
+/* A parameter at its bound, and one of which no reading depends, at its bound or not. */
 static void test_states(void) {
     write_record("z_m");
     struct fit_file file =
-        fit_of("[parameter]\nrestitution = { start = 0.3, min = 0.01, max = 0.5 }\nspin = { start = 1 }\n" EXPERIMENT
-               "set = [\"contact.0.normal.restitution={restitution}\", \"body.ball.spin=[0, 0, {spin}]\"]\n");
-    double x[2] = {0.6, 1.0};
+        fit_of("[parameter]\nrestitution = { start = 0.3, min = 0.01, max = 0.5 }\nspin = { start = 1 }\n"
+               "turn = { start = 1, min = 1 }\n" EXPERIMENT
+               "set = [\"contact.0.normal.restitution={restitution}\", \"body.ball.spin=[0, {turn}, {spin}]\"]\n");
+    double x[3] = {0.6, 1.0, 1.0};
     measure(&file, x);
     struct fit_result result = solved(&file, 1);
     CHECK(result.state[0] == FIT_HELD && result.value[0] == 0.5 && isnan(result.error[0]) && isnan(result.low[0]));
     CHECK(result.state[1] == FIT_UNDETERMINED && isnan(result.error[1]));
+    CHECK(result.state[2] == FIT_UNDETERMINED);
     fit_free_result(&result);
     fit_file_free(&file);
 }
@@ -265,7 +301,8 @@ static void expect_failure(const char *text, const char *message) {
     struct fit_file file = fit_of(text);
     struct fit_result result;
     scree_trouble trouble = {0};
-    CHECK(fit_solve(&file, 1, NULL, &result, &trouble) == SCREE_BAD_INPUT);
+    scree_status status = fit_solve(&file, 1, NULL, &result, &trouble);
+    CHECK(status && status == trouble.status);
     CONTAINS(trouble.text, message);
     fit_free_result(&result);
     fit_file_free(&file);
@@ -281,6 +318,9 @@ static void test_failures(void) {
     expect_failure(ONE "set = [\"contact.1.normal.restitution={p}\"]", "there is no \"1\"");
     expect_failure(ONE "set = [\"contact.0.normal.restitution={p}\", \"time.integrator='adaptive'\"]",
                    "readings must fall on");
+    expect_failure(ONE "deviation = { z_m = 1e-310 }\nset = [\"contact.0.normal.restitution={p}\"]",
+                   "beyond all numbers");
+    expect_failure(ONE "set = [\"contact.3.normal.restitution={p}\"]", "fit.toml:3:1: contact.3");
     write_record("x_m");
     expect_failure(ONE "set = [\"contact.0.normal.restitution={p}\",\n"
                        "       \"domain={min=[-1, -1, -1], max=[1, 1, 1], periodic=['x']}\"]",
@@ -327,6 +367,9 @@ static void test_refusals(void) {
         {P EXPERIMENT S "columns = []", "fit.toml:8:11: columns must be an array of names"},
         {P EXPERIMENT S "columns = [\"x_m\"]", "record.csv:1:1: this record has no column x_m"},
         {P EXPERIMENT S "deviation = { z_m = 0 }", "fit.toml:8:21: the standard deviation of z_m must be positive"},
+        {P EXPERIMENT S "deviation = { x_m = 1 }", "fit.toml:8:13: deviation names no column that is fitted"},
+        {P EXPERIMENT S "deviation = { z_m = 1, x_m = -1 }", "fit.toml:8:30: the standard deviation of x_m"},
+        {"[parameter.d]\nstart = 0.1\n" EXPERIMENT "delay = \"d\"", "\"d\" must start at 0.000962 s or below"},
         {P EXPERIMENT S "deviation = { z = 1 }", "fit.toml:8:19: unknown key \"z\" in deviation"},
         {P EXPERIMENT S "deviation = 1e-5", "fit.toml:8:13: deviation must be a table"},
         {P EXPERIMENT S EXPERIMENT "deviation = { z_m = 1 }", "of every fitted column of all records, or of none"},
@@ -338,12 +381,14 @@ static void test_refusals(void) {
         {"[parameter.p]\nstart = 0\n" EXPERIMENT S, "\"p\" starts at 0, which tells no size"},
         {"[parameter.p]\nstart = 1\ndifference = 0\n" EXPERIMENT S,
          "fit.toml:3:14: \"p\": difference must be positive"},
+        {"[parameter.p]\nstart = 1\ndifference = 1e-17\n" EXPERIMENT S, "large enough to change 1; got 1e-17"},
+        {P EXPERIMENT "set = [\"\"]", "fit.toml:7:8: a change to the scene is a string"},
         {"[parameter.p]\nstrat = 1\n" EXPERIMENT S, "did you mean \"start\"?"},
         {"[parameter.\"a b\"]\nstart = 1\n" EXPERIMENT S, "letters, digits, - and _ alone"},
         {"confidence = 1\n" P EXPERIMENT S, "fit.toml:1:14: confidence must be between 0 and 1, got 1"},
         {"confidense = 0.9\n" P EXPERIMENT S, "did you mean \"confidence\"?"},
-        {P "[[experiment]]\nscene = \"none.toml\"\nbody = \"ball\"\nrecord = \"record.csv\"\n" S, "none.toml: No such"},
-        {P "[[experiment]]\nscene = \"scene.toml\"\nbody = \"ball\"\nrecord = \"none.csv\"\n" S, "none.csv: No such"},
+        {P "[[experiment]]\nscene = \"none.toml\"\nbody = \"ball\"\nrecord = \"record.csv\"\n" S, "fit.toml:4:9: "},
+        {P "[[experiment]]\nscene = \"scene.toml\"\nbody = \"ball\"\nrecord = \"none.csv\"\n" S, "fit.toml:6:10: "},
         {P "[[experiment]]\nbody = \"ball\"\nrecord = \"record.csv\"\n" S, "an experiment needs scene"},
         {P "[[experiment]]\nscene = \"scene.toml\"\nrecord = \"record.csv\"\n" S, "an experiment needs body"},
         {P "[[experiment]]\nscene = \"scene.toml\"\nbody = \"ball\"\n" S, "an experiment needs record"},
@@ -359,7 +404,7 @@ static void test_refusals(void) {
                    {"time_s,v_z_m_s\n0,0\n", "did you mean \"vz_m_s\"?"},
                    {"time_s,z_m\n", "record.csv: no rows"},
                    {"time_s,body,z_m\n0,other,1\n", "record.csv: no rows of \"ball\""},
-                   {"time_s,z_m\n0,0\n", "1 readings for 1 parameters"},
+                   {"time_s,z_m\n0,0\n", "readings: 1, parameters: 1"},
                    {"time_s,z_m,vz_m_s\n0,0,0\n1,0,0\n", "z_m and vz_m_s are of different kinds"},
                    {"time_s,z_m\n0,x\n", "record.csv:2:3:"}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
@@ -397,6 +442,8 @@ int main(void) {
     test_intervals();
     test_automatic_step();
     test_delay();
+    test_no_delay();
+    test_adrift();
     test_states();
     test_failures();
     test_places();

@@ -175,6 +175,10 @@ scree_status figures_plot(struct figures *figures, const char *name, const char 
                 name, name, name, script);
         status = scree_out_keep(&out, &figures->trouble);
     }
+    /* The plot of other data isn't left beside these. */
+    char *old = status ? NULL : file_name(figures, name, ".svg");
+    if (old) remove(old);
+    free(old);
     if (!status && figures->plots) {
         const char *base = strrchr(path, '/') + 1;
         int code = run_gnuplot(figures->folder, base);

@@ -3,10 +3,13 @@
 #include "engine/cli/cli.h"
 #include "engine/cli/figures.h"
 #include "engine/cli/fit_model.h"
+#include "solver/qr.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -18,7 +21,7 @@ static const char help[] =
     "records and the scenes. Printed are values with their confidence intervals; into DIR (default: the file's name\n"
     "without .toml) go\n"
     "  fit.csv           a row a parameter: value, standard error, confidence interval\n"
-    "  correlation.csv   what two parameters do alike: 1 or -1 where records can't tell them apart\n"
+    "  correlation.csv   what two parameters do alike: near 1 or -1 where records hardly tell them apart\n"
     "  record_N.csv      the N-th record beside what the scene says, and record_N.svg\n"
     "Exit status 1 if no minimum was found, or the records don't tell a parameter.\n"
     "\n"
@@ -29,15 +32,16 @@ static const char help[] =
     "example: scree fit data/fit/comb.toml -o /tmp/comb\n";
 
 /* Beyond these something is worth a word. */
-static const double alike = 0.999;   /* correlation of two parameters */
-static const double neighbours = 4.; /* that of neighbouring misfits, in its standard deviations if there is none */
+static const double alike = 0.999;    /* correlation of two parameters */
+static const double neighbours = 4.;  /* that of neighbouring misfits, in its standard deviations if there is none, */
+static const double rounding = 1e-12; /* unless they are as small as this beside the readings */
 
 struct fitting {
     struct fit_file file;
     struct fit_result result;
     struct figures output; /* folder, plots, trouble */
     struct scree_out *outs;
-    int outs_count, threads, warned;
+    int outs_count, threads;
     double seconds;
 };
 
@@ -50,9 +54,10 @@ static int show_progress(void *context, const scree_lm_progress *progress) {
 }
 
 static void print_parameters(const struct fitting *p) {
+    static const char *const said[] = {"", "held at its bound", "not told by the records", "no minimum was found"};
     const struct fit_file *f = &p->file;
     char interval[32];
-    snprintf(interval, sizeof interval, "%g %% interval", 100.0 * f->confidence);
+    snprintf(interval, sizeof interval, "%.12g %% interval", 100.0 * f->confidence);
     printf("\n%-20s %16s %16s   %s\n", "parameter", "value", "standard error", interval);
     for (int j = 0; j < f->parameters; j++) {
         const struct fit_result *result = &p->result;
@@ -60,7 +65,7 @@ static void print_parameters(const struct fitting *p) {
         if (result->state[j] == FIT_FREE)
             printf("%16.3g   %.9g to %.9g\n", result->error[j], result->low[j], result->high[j]);
         else
-            printf("%16s   %s\n", "", result->state[j] == FIT_HELD ? "held at its bound" : "not told by the records");
+            printf("%16s   %s\n", "", said[result->state[j]]);
     }
 }
 
@@ -70,10 +75,16 @@ struct misfits {
 };
 
 static struct misfits look_at(const double *misfit, size_t rows) {
-    double squares = 0.0, products = 0.0;
-    for (size_t row = 0; row < rows; row++) squares += misfit[row] * misfit[row];
-    for (size_t row = 1; row < rows; row++) products += misfit[row] * misfit[row - 1];
-    return (struct misfits){sqrt(squares / (double)rows), squares > 0.0 ? products / squares : 0.0};
+    double norm = scree_norm((int)rows, misfit), correlation = 0.0;
+    for (size_t row = 1; row < rows && norm > 0.0; row++)
+        correlation += (misfit[row] / norm) * (misfit[row - 1] / norm);
+    return (struct misfits){norm / sqrt((double)rows), correlation};
+}
+
+static double largest_of(const double *reading, size_t rows) {
+    double largest = 0.0;
+    for (size_t row = 0; row < rows; row++) largest = fmax(largest, fabs(reading[row]));
+    return largest;
 }
 
 static void print_misfits(struct fitting *p) {
@@ -90,7 +101,9 @@ static void print_misfits(struct fitting *p) {
                    seen.size * e->deviation[c]);
             if (f->weighted) printf(" %14.4g", seen.size);
             printf("   %.2f\n", seen.correlation);
-            if (seen.correlation > neighbours / sqrt((double)e->rows)) largest = fmax(largest, seen.correlation);
+            if (seen.size * e->deviation[c] > rounding * largest_of(e->reading[c], e->rows) &&
+                seen.correlation > neighbours / sqrt((double)e->rows))
+                largest = fmax(largest, seen.correlation);
         }
     }
     if (f->weighted)
@@ -107,30 +120,43 @@ static void print_misfits(struct fitting *p) {
 
 static double correlation_of(const struct fit_result *result, int n, int i, int j) {
     double root = sqrt(result->covariance[i * n + i]) * sqrt(result->covariance[j * n + j]);
-    if (i == j) return 1.0;
-    return root > 0.0 && isfinite(root) ? result->covariance[i * n + j] / root : 0.0;
+    return i == j ? 1.0 : root > 0.0 ? result->covariance[i * n + j] / root : 0.0;
 }
 
 static void warn_of_alike(const struct fitting *p) {
     int n = p->file.parameters;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
-            if (fabs(correlation_of(&p->result, n, i, j)) > alike)
+            if (p->result.state[i] == FIT_FREE && p->result.state[j] == FIT_FREE &&
+                fabs(correlation_of(&p->result, n, i, j)) > alike)
                 cli_complain("warning: the records hardly tell \"%s\" and \"%s\" apart (correlation %.4f)",
                              p->file.parameter[j].name, p->file.parameter[i].name, correlation_of(&p->result, n, i, j));
+}
+
+/* What may be in the way of a fit that ends without a minimum. */
+static void tell_why(const struct fit_result *result) {
+    if (result->outcome.converged) return;
+    fflush(stdout);
+    if (result->refused.status)
+        cli_complain("some parameters that were tried can't be, the last for this: %s", result->refused.text);
+    if (result->outcome.reason == SCREE_LM_STUCK)
+        cli_complain(
+            "where an impact falls into another step, what a scene says jumps a little with its parameters, and "
+            "a fit may stick there: a shorter time.step, time.integrator = \"pair-impulse\", or a larger "
+            "difference of the parameters help");
 }
 
 static void print_all(struct fitting *p) {
     const struct fit_file *f = &p->file;
     const scree_lm_outcome *outcome = &p->result.outcome;
-    if (isatty(STDERR_FILENO)) fputc('\n', stderr); /* ends the line of the progress */
-    if (f->title[0]) printf("%s\n", f->title);
+    if (f->title[0]) printf("%s\n", scree_shown(f->title).text);
     printf("%s; %zu readings of %d record%s, %d step%s, %ld runs in %.3g s\n", scree_lm_text(outcome->reason),
            f->readings, f->experiments, f->experiments > 1 ? "s" : "", outcome->iterations,
            outcome->iterations == 1 ? "" : "s", p->result.runs, p->seconds);
     print_parameters(p);
     print_misfits(p);
     warn_of_alike(p);
+    tell_why(&p->result);
 }
 
 /* ---- tables: all are written before the first takes its name ---- */
@@ -147,7 +173,7 @@ static scree_status end_table(struct fitting *p) {
 }
 
 static scree_status write_parameters(struct fitting *p) {
-    static const char *const states[] = {"free", "held", "undetermined"};
+    static const char *const states[] = {"free", "held", "undetermined", "adrift"};
     const struct fit_file *f = &p->file;
     FILE *file = begin_table(p, "fit");
     if (!file) return p->output.trouble.status;
@@ -172,8 +198,13 @@ static scree_status write_correlations(struct fitting *p) {
     for (int j = 0; j < f->parameters; j++) fprintf(file, ",%s", f->parameter[j].name);
     for (int i = 0; i < f->parameters; i++) {
         fprintf(file, "\n%s", f->parameter[i].name);
-        for (int j = 0; j < f->parameters; j++)
-            fprintf(file, ",%.17g", correlation_of(&p->result, f->parameters, i, j));
+        for (int j = 0; j < f->parameters; j++) {
+            int both = p->result.state[i] == FIT_FREE && p->result.state[j] == FIT_FREE;
+            if (both)
+                fprintf(file, ",%.17g", correlation_of(&p->result, f->parameters, i, j));
+            else
+                fputc(',', file);
+        }
     }
     fprintf(file, "\n");
     return end_table(p);
@@ -199,42 +230,50 @@ static scree_status write_record(struct fitting *p, int k, const double *misfit)
     return end_table(p);
 }
 
+enum { MOST_POINTS = 4000 };
+
 /* A panel a column: above what was measured and fitted, below the misfit. */
 static scree_status plot_record(struct fitting *p, int k) {
     static const char *const units[] = {"m", "m/s", "rad/s"};
     const struct fit_experiment *e = &p->file.experiment[k];
     char name[32], script[8192];
     snprintf(name, sizeof name, "record_%d", k + 1);
-    int length = snprintf(script, sizeof script,
-                          "set multiplot layout %d,2\nset xlabel 'time (s)'\nset xrange [:] noextend\n", e->columns);
+    size_t apart = 1 + e->rows / MOST_POINTS; /* no plot holds more */
+    int length =
+        snprintf(script, sizeof script,
+                 "set output\nset terminal svg size 960,%d enhanced font 'Helvetica,14' background rgb 'white'\n"
+                 "set output '%s.svg'\nset multiplot layout %d,2\nset xlabel 'time (s)'\n"
+                 "set xrange [:] noextend\nset format x '%%g'\nset xtics rotate by -30\n",
+                 60 + 360 * e->columns, name, e->columns);
     for (int c = 0; c < e->columns; c++) {
         const char *quantity = fit_quantity_name[e->quantity[c]], *unit = units[e->quantity[c] / 3];
         int letters = (int)strcspn(quantity, "_"), column = 2 + 2 * c;
         length += snprintf(script + length, sizeof script - (size_t)length,
                            "set key top left\nset ylabel '%.*s (%s)'\n"
-                           "plot '%s.csv' using 1:%d with points ls 2 ps 0.4 title 'measured',\\\n"
-                           "     '' using 1:%d with lines ls 1 title 'fitted'\n"
+                           "plot '%s.csv' using 1:%d every %zu with points ls 2 ps 0.4 title 'measured',\\\n"
+                           "     '' using 1:%d every %zu with lines ls 1 title 'fitted'\n"
                            "unset key\nset ylabel 'fitted less measured (%s)'\n"
-                           "plot '%s.csv' using 1:($%d-$%d) with points ls 3 ps 0.4\n",
-                           letters, quantity, unit, name, column, column + 1, unit, name, column + 1, column);
+                           "plot '%s.csv' using 1:($%d-$%d) every %zu with points ls 3 ps 0.4\n",
+                           letters, quantity, unit, name, column, apart, column + 1, apart, unit, name, column + 1,
+                           column, apart);
     }
     snprintf(script + length, sizeof script - (size_t)length, "unset multiplot\n");
     return figures_plot(&p->output, name, script);
 }
 
-/* Of an earlier fit with more records. */
+/* Of an earlier fit with more records; each has left its script, which tells them from other files of such a name. */
 static void remove_stale(const struct fitting *p) {
-    static const char *const endings[] = {".csv", ".gp", ".svg"};
-    for (int k = p->file.experiments, removed = 1; removed; k++) {
-        removed = 0;
-        for (int e = 0; e < 3; e++) {
+    static const char *const endings[] = {".gp", ".csv", ".svg"};
+    int removed = 1;
+    for (int k = p->file.experiments; removed; k++)
+        for (int e = 0; e < 3 && removed; e++) {
             char name[32];
             snprintf(name, sizeof name, "record_%d%s", k + 1, endings[e]);
             char *path = scree_join(p->output.folder, name);
-            removed |= path && remove(path) == 0;
+            int gone = path && remove(path) == 0;
+            if (e == 0) removed = gone;
             free(path);
         }
-    }
 }
 
 static scree_status write_all(struct fitting *p) {
@@ -256,27 +295,60 @@ static scree_status write_all(struct fitting *p) {
 
 /* ---- the whole ---- */
 
+/* Records and scenes aren't written over: what is in the folder for results is taken for results. */
+static scree_status check_inputs(struct fitting *p) {
+    for (int k = 0; k < 2 * p->file.experiments; k++) {
+        const struct fit_experiment *e = &p->file.experiment[k / 2];
+        const char *input = k % 2 ? e->scene : e->record;
+        char *home = cli_folder_of(input);
+        int same = home && scree_same_file(home, p->output.folder);
+        free(home);
+        if (same)
+            return scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL,
+                                "%s is in the folder that results would go to; name another one with -o", input);
+    }
+    return SCREE_OK;
+}
+
+/* Before long runs: can the folder be made, and written to? The nearest one that is there tells. */
+static scree_status check_folder(struct fitting *p) {
+    char *path = strdup(p->output.folder);
+    while (path && access(path, F_OK) != 0 && errno == ENOENT) {
+        char *above = strcmp(path, ".") == 0 ? NULL : cli_folder_of(path);
+        free(path);
+        path = above;
+    }
+    if (!path) return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    int good = access(path, W_OK | X_OK) == 0, cause = errno;
+    struct stat about;
+    if (good && (good = stat(path, &about) == 0 && S_ISDIR(about.st_mode)) == 0) cause = ENOTDIR;
+    if (!good) scree_report(&p->output.trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(cause));
+    free(path);
+    return good ? SCREE_OK : SCREE_NO_FILE;
+}
+
 static scree_status work(struct fitting *p) {
     p->outs = calloc((size_t)p->file.experiments + 2, sizeof *p->outs);
     if (!p->outs) return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for a fit");
-    int there = access(p->output.folder, F_OK) == 0;
-    scree_status status = scree_make_folder(p->output.folder, &p->output.trouble);
+    scree_status status = check_inputs(p);
+    if (!status) status = check_folder(p);
     if (status) return status;
     struct timespec start, end;
     clock_gettime(CLOCK_MONOTONIC, &start);
     status = fit_solve(&p->file, p->threads, show_progress, &p->result, &p->output.trouble);
     clock_gettime(CLOCK_MONOTONIC, &end);
     p->seconds = (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+    if (p->result.outcome.iterations > 0 && isatty(STDERR_FILENO)) fputc('\n', stderr); /* ends that of the progress */
     if (!status) print_all(p);
+    if (!status) status = scree_make_folder(p->output.folder, &p->output.trouble);
     if (!status) status = write_all(p);
-    if (status && !there) rmdir(p->output.folder); /* only if nothing is in it */
     if (!status) printf("written to %s\n", p->output.folder);
     return status;
 }
 
 static int is_good(const struct fitting *p) {
     int good = p->result.outcome.converged;
-    for (int j = 0; j < p->file.parameters; j++) good = good && p->result.state[j] != FIT_UNDETERMINED;
+    for (int j = 0; j < p->file.parameters; j++) good = good && p->result.state[j] <= FIT_HELD;
     return good;
 }
 

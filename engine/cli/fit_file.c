@@ -14,6 +14,8 @@
 const char *const fit_quantity_name[FIT_QUANTITIES + 1] = {"x_m",    "y_m",      "z_m",      "vx_m_s",   "vy_m_s",
                                                            "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s", NULL};
 
+enum { MOST_CHANGES = 256 };
+
 static void out_of_memory(struct scree_reader *r) {
     if (!r->status) r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a fit");
 }
@@ -22,6 +24,14 @@ static char *copy_of(struct scree_reader *r, const char *text) {
     char *copy = strdup(text);
     if (!copy) out_of_memory(r);
     return copy;
+}
+
+/* A failure to read another file is told at the key that names it. */
+static void tell_place(struct scree_reader *r, const struct scree_toml *node) {
+    if (r->status != SCREE_NO_FILE) return;
+    scree_trouble cause = *r->trouble;
+    r->status = SCREE_OK;
+    scree_complain(r, node, "%s", cause.text);
 }
 
 /* ---- parameters ---- */
@@ -76,8 +86,10 @@ static void read_parameter(struct scree_reader *r, const struct scree_toml *tabl
     if (!(parameter->start >= parameter->low && parameter->start <= parameter->high))
         scree_complain(r, scree_toml_get(table, "start"), "\"%s\": start must be from min to max, got %g", name,
                        parameter->start);
-    if (difference && !(parameter->difference > 0.0))
-        scree_complain(r, difference, "\"%s\": difference must be positive, got %g", name, parameter->difference);
+    double above = parameter->start + parameter->difference, below = parameter->start - parameter->difference;
+    if (difference && !(above > parameter->start && below < parameter->start))
+        scree_complain(r, difference, "\"%s\": difference must be positive, and large enough to change %.17g; got %g",
+                       name, parameter->start, parameter->difference);
     if (!difference && parameter->start == 0.0)
         scree_complain(r, table,
                        "\"%s\" starts at 0, which tells no size: it needs difference = …, over which derivatives are "
@@ -199,6 +211,7 @@ static void read_record(struct scree_reader *r, const struct scree_toml *table, 
     read_chosen(r, columns, &record);
     if (r->status) return;
     record.path = e->record = scree_read_word_file(r, node, words, &record.table, &record.text);
+    tell_place(r, node);
     if (!r->status) find_columns(r, &record);
     if (!r->status) check_columns(r, &record);
     if (!r->status) take_rows(r, &record, e);
@@ -217,15 +230,18 @@ static int read_deviations(struct scree_reader *r, const struct scree_toml *tabl
         return 0;
     }
     scree_check_keys(r, table, "deviation", fit_quantity_name);
+    for (const struct scree_toml *node = table->first; node && !r->status; node = node->next)
+        if (!(scree_number_of(r, node, node->key) > 0.0))
+            scree_complain(r, node, "the standard deviation of %s must be positive, got %g", node->key, node->number);
     for (int c = 0; c < e->columns; c++) {
-        const char *name = fit_quantity_name[e->quantity[c]];
-        const struct scree_toml *node = scree_toml_get(table, name);
+        const struct scree_toml *node = scree_toml_get(table, fit_quantity_name[e->quantity[c]]);
         if (!node) continue;
-        e->deviation[c] = scree_number_of(r, node, name);
-        if (!(e->deviation[c] > 0.0))
-            scree_complain(r, node, "the standard deviation of %s must be positive, got %g", name, e->deviation[c]);
+        e->deviation[c] = node->number;
         given++;
     }
+    if (!given && table->count > 0)
+        scree_complain(r, table, "deviation names no column that is fitted; of %s there is %s", e->record,
+                       fit_quantity_name[e->quantity[0]]);
     return given;
 }
 
@@ -264,20 +280,22 @@ static void check_places(struct scree_reader *r, const struct scree_toml *node, 
 static void read_changes(struct scree_reader *r, const struct scree_toml *table, const struct fit_file *f,
                          struct fit_experiment *e) {
     const struct scree_toml *lists[2] = {scree_toml_get(r->root, "set"), scree_toml_get(table, "set")};
-    size_t most = 1;
+    int count = 0;
     for (int k = 0; k < 2; k++) {
         if (lists[k] && lists[k]->type != SCREE_TOML_ARRAY)
             scree_complain(r, lists[k], "set must be an array of changes to the scene, as in [\"time.end=2\"]");
-        if (lists[k]) most += (size_t)lists[k]->count;
+        if (lists[k]) count += lists[k]->count;
     }
-    e->change = calloc(most, sizeof *e->change);
+    if (count > MOST_CHANGES)
+        scree_complain(r, table, "this experiment changes its scene %d times; the most is %d", count, MOST_CHANGES);
+    e->change = calloc((size_t)count + 1, sizeof *e->change);
     if (!e->change) out_of_memory(r);
     for (int k = 0; k < 2; k++)
         for (const struct scree_toml *entry = lists[k] ? lists[k]->first : NULL; entry && !r->status;
              entry = entry->next) {
-            if (entry->type != SCREE_TOML_STRING) {
-                scree_complain(r, entry, "a change to the scene is a string such as \"time.end=2\", not %s",
-                               scree_toml_type_name(entry->type));
+            if (entry->type != SCREE_TOML_STRING || !strchr(entry->string, '=')) {
+                scree_complain(r, entry,
+                               "a change to the scene is a string such as \"time.end=2\", with a key and a value");
                 return;
             }
             check_places(r, entry, f);
@@ -300,21 +318,37 @@ static void read_delay(struct scree_reader *r, const struct scree_toml *table, c
                        parameter_hint(f, node->string).text);
 }
 
+/* No later than the record begins: the scene isn't there before. */
+static void bound_delay(struct scree_reader *r, const struct scree_toml *table, struct fit_file *f,
+                        const struct fit_experiment *e) {
+    if (e->delay_parameter < 0) return;
+    struct fit_parameter *parameter = &f->parameter[e->delay_parameter];
+    parameter->high = fmin(parameter->high, e->time[0]);
+    if (!(parameter->start <= parameter->high && parameter->low < parameter->high))
+        scree_complain(r, scree_toml_get(table, "delay"),
+                       "\"%s\" must start at %g s or below, where %s begins, and min lie below that: the scene isn't "
+                       "there before",
+                       parameter->name, e->time[0], e->record);
+}
+
 static void read_experiment(struct scree_reader *r, const struct scree_toml *table) {
     static const char *const keys[] = {"scene", "body", "set", "record", "columns", "deviation", "delay", NULL};
     struct fit_file *f = r->into;
     struct fit_experiment *e = &f->experiment[f->experiments++];
     scree_check_keys(r, table, "[[experiment]]", keys);
+    snprintf(e->place, sizeof e->place, "%s:%d:%d", r->name, table->line, table->column);
     string_for(r, table, "scene", "the scene file that simulates it");
     const char *body = string_for(r, table, "body", "the one that was measured");
     if (r->status) return;
     e->body = copy_of(r, body);
-    if (!r->status)
-        e->scene = scree_read_file_beside(r, find_for(r, table, "scene"), SCREE_TOML_LARGEST, &e->text, &e->size);
+    const struct scree_toml *scene = find_for(r, table, "scene");
+    if (!r->status) e->scene = scree_read_file_beside(r, scene, SCREE_TOML_LARGEST, &e->text, &e->size);
+    tell_place(r, scene);
     if (!r->status) read_changes(r, table, f, e);
     if (!r->status) read_delay(r, table, f, e);
     if (!r->status) read_record(r, table, find_for(r, table, "columns"), e);
     if (r->status) return;
+    bound_delay(r, table, f, e);
     int given = read_deviations(r, find_for(r, table, "deviation"), e);
     if (f->experiments == 1) f->weighted = given > 0;
     if (!r->status && given != (f->weighted ? e->columns : 0))
@@ -371,11 +405,11 @@ static void read_experiments(struct scree_reader *r, struct fit_file *f) {
     if (!r->status) check_kinds(r, f);
     for (int k = 0; k < f->parameters && !r->status; k++) check_use(r, f, k);
     if (r->status) return;
-    if (f->readings <= (size_t)f->parameters || f->readings > INT_MAX)
-        scree_complain(r, NULL,
-                       "%zu readings for %d parameters: there must be more readings than parameters, and at "
-                       "most %d",
-                       f->readings, f->parameters, INT_MAX);
+    if (f->readings <= (size_t)f->parameters)
+        scree_complain(r, NULL, "there must be more readings than parameters (readings: %zu, parameters: %d)",
+                       f->readings, f->parameters);
+    if (f->readings > INT_MAX || !scree_lm_workspace(f->parameters, (int)f->readings))
+        scree_complain(r, NULL, "%zu readings are too many for %d parameters", f->readings, f->parameters);
 }
 
 static void read_root(struct scree_reader *r) {

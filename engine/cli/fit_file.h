@@ -19,6 +19,7 @@ struct fit_parameter {
 
 /* One record, and the scene that is to follow it. All is owned. */
 struct fit_experiment {
+    char place[128];    /* of its table, "fit.toml:12:1", for messages */
     char *scene, *text; /* the scene file's path and content */
     size_t size;
     int changes;

@@ -67,24 +67,25 @@ static scree_status step_on(struct way *way, long steps, scree_trouble *trouble)
 }
 
 /* Times as near to a step as this, in steps, are on it. */
-static const double near_step = 1e-9;
+static const double near_step = 1e-9, rounding = 1e-15;
 
 static scree_status go_to(struct way *way, double time, const struct fit_experiment *e, scree_trouble *trouble) {
     double step = scree_scene_step_length(way->scene), ahead = (time - way->to) / step;
+    double near = near_step + rounding * time / step;
     scree_status status = SCREE_OK;
-    if (ahead >= 1.0 - near_step) {
-        status = step_on(way, (long)floor(ahead + near_step), trouble);
+    if (ahead >= 1.0 - near) {
+        status = step_on(way, (long)floor(ahead + near), trouble);
         way->from = way->to;
         way->before = way->after;
         step = scree_scene_step_length(way->scene); /* a watch may have halved it */
         ahead = (time - way->to) / step;
     }
-    if (status || ahead <= near_step) return status;
+    if (status || ahead <= near) return status;
     if (way->scene->time.integrator == SCREE_ADAPTIVE)
         return scree_report(
             trouble, SCREE_BAD_INPUT, NULL,
-            "%s: with the adaptive integrator readings must fall on the scene's steps, of %.9g s; the "
-            "one of its t = %.9g s doesn't: set time.step to the time between readings, or a part of it",
+            "%s: with the adaptive integrator readings must fall on the scene's steps, of %.9g s; the one of its t = "
+            "%.9g s doesn't: choose a time.step of which all times of the record are multiples",
             e->record, step, time);
     return step_on(way, 1, trouble);
 }
@@ -125,7 +126,7 @@ static scree_status follow(const struct fit_experiment *e, scree_scene *scene, d
                            scree_trouble *trouble) {
     struct way way = {.scene = scene, .body = scree_scene_find_body(scene, e->body)};
     if (way.body < 0)
-        return scree_report(trouble, SCREE_BAD_INPUT, NULL, "%s: there is no body called \"%s\"", e->scene,
+        return scree_report(trouble, SCREE_BAD_INPUT, NULL, "%s has no body called \"%s\"", e->scene,
                             scree_shown(e->body).text);
     way.before = way.after = scree_scene_body(scene, way.body);
     for (size_t row = 0; row < e->rows; row++) {
@@ -141,18 +142,19 @@ scree_status fit_simulate(const struct fit_file *file, int k, const double *x, d
                           double *taken, scree_trouble *trouble) {
     const struct fit_experiment *e = &file->experiment[k];
     struct scree_run_request request = {0};
-    scree_scene *scene = load(file, e, x, step, &request, trouble);
-    scree_status status = scene ? SCREE_OK : trouble->status;
+    scree_trouble cause = {0};
+    scree_scene *scene = load(file, e, x, step, &request, &cause);
+    scree_status status = scene ? SCREE_OK : cause.status;
     if (scene) {
         double delay = e->delay_parameter < 0 ? e->delay : x[e->delay_parameter];
         const struct scree_step_choice *choice = &scene->plan.choice;
         *taken = choice->automatic && !(choice->accurate > 0.0) ? choice->step : 0.0;
-        status = check_record(e, scene, delay, request.end, trouble);
-        if (!status) status = follow(e, scene, delay, values, trouble);
+        status = check_record(e, scene, delay, request.end, &cause);
+        if (!status) status = follow(e, scene, delay, values, &cause);
     }
     scree_scene_destroy(scene);
     scree_free_request(&request);
-    return status;
+    return status ? scree_report(trouble, status, NULL, "%s: %s", e->place, cause.text) : SCREE_OK;
 }
 
 /* ---- all of them ---- */
@@ -166,6 +168,8 @@ struct model {
     double *beside;         /* misfits on both sides of it: 2 parameters x readings */
     scree_status *status;   /* of runs at the same time, 2 parameters x experiments at most, */
     scree_trouble *trouble; /* and why they failed */
+    scree_trouble refused;  /* the last cause, and that of a lack of memory, which is no fault of the parameters */
+    scree_trouble lack;
     long runs;
 };
 
@@ -180,6 +184,12 @@ static scree_status run(const struct model *m, int k, const double *x, double st
     return status;
 }
 
+static int has_failed(struct model *m, int job) {
+    if (m->status[job]) m->refused = m->trouble[job];
+    if (m->status[job] == SCREE_NO_MEMORY) m->lack = m->trouble[job];
+    return m->status[job] != SCREE_OK;
+}
+
 static int residual(void *context, const double *x, double *r) {
     struct model *m = context;
     const struct fit_file *f = m->file;
@@ -187,7 +197,7 @@ static int residual(void *context, const double *x, double *r) {
 #pragma omp parallel for schedule(dynamic) num_threads(m->threads)
     for (int k = 0; k < f->experiments; k++) m->status[k] = run(m, k, x, 0.0, m->misfit, &m->steps[k], &m->trouble[k]);
     m->runs += f->experiments;
-    for (int k = 0; k < f->experiments; k++) failed |= m->status[k] != SCREE_OK;
+    for (int k = 0; k < f->experiments; k++) failed |= has_failed(m, k);
     memcpy(m->x, x, (size_t)f->parameters * sizeof *x);
     memcpy(r, m->misfit, f->readings * sizeof *r);
     return failed;
@@ -222,13 +232,13 @@ static void run_beside(const struct model *m, const double *x, int job) {
 }
 
 /* Derivative by parameter j: of one side alone where scenes can't run on the other. */
-static int difference(const struct model *m, int j, const double *x, double *column) {
+static int difference(struct model *m, int j, const double *x, double *column) {
     const struct fit_file *f = m->file;
     const double *misfit[2];
     double at[2];
     for (int above = 0; above < 2; above++) {
         int failed = 0;
-        for (int k = 0; k < f->experiments; k++) failed |= m->status[(2 * j + above) * f->experiments + k] != SCREE_OK;
+        for (int k = 0; k < f->experiments; k++) failed |= has_failed(m, (2 * j + above) * f->experiments + k);
         misfit[above] = failed ? m->misfit : misfits_beside(m, j, above);
         at[above] = failed ? x[j] : beside(&f->parameter[j], x[j], above);
     }
@@ -281,18 +291,53 @@ static void free_model(struct model *m) {
 
 /* ---- the fit ---- */
 
+/* A parameter that changes nothing isn't held by its bound. */
+static int is_idle(const struct model *m, int j) {
+    size_t size = m->file->readings * sizeof(double);
+    return memcmp(misfits_beside(m, j, 0), misfits_beside(m, j, 1), size) == 0;
+}
+
+static enum fit_state state_of(const struct model *m, const scree_lm_outcome *outcome, int j, int held,
+                               double variance) {
+    if (is_idle(m, j) || (!held && !isfinite(variance))) return FIT_UNDETERMINED;
+    return !outcome->converged ? FIT_ADRIFT : held ? FIT_HELD : FIT_FREE;
+}
+
 /* Intervals of the linear theory: value +- t standard errors. */
-static void find_intervals(const struct fit_file *f, int rank, const int *free_ones, struct fit_result *result) {
-    result->freedom = (long)f->readings - rank;
+static void find_intervals(const struct model *m, int rank, const int *free_ones, struct fit_result *result) {
+    const struct fit_file *f = m->file;
+    result->freedom = (long)f->readings - (rank > 0 ? rank : 0);
     result->scatter = result->outcome.norm / sqrt((double)result->freedom);
     double t = scree_student_bound(f->confidence, result->freedom);
     for (int j = 0; j < f->parameters; j++) {
         double variance = result->covariance[j * f->parameters + j];
-        result->state[j] = !free_ones[j] ? FIT_HELD : isfinite(variance) ? FIT_FREE : FIT_UNDETERMINED;
+        result->state[j] = rank < 0 ? FIT_ADRIFT : state_of(m, &result->outcome, j, !free_ones[j], variance);
         result->error[j] = result->state[j] == FIT_FREE ? sqrt(variance) : NAN;
         result->low[j] = result->value[j] - t * result->error[j];
         result->high[j] = result->value[j] + t * result->error[j];
     }
+}
+
+/* Whether a run with parameter j on one side has failed; `cause` is then the first that did. */
+static int side_failed(const struct model *m, int j, int above, scree_trouble *cause) {
+    for (int k = 0; k < m->file->experiments; k++) {
+        int job = (2 * j + above) * m->file->experiments + k;
+        if (!m->status[job]) continue;
+        *cause = m->trouble[job];
+        return 1;
+    }
+    return 0;
+}
+
+/* Why there is nothing to begin with: the scenes don't run as they are, or with some parameter on neither side. */
+static scree_status why_not(const struct model *m, scree_trouble *trouble) {
+    const struct fit_file *f = m->file;
+    int derived = m->runs > f->experiments;
+    for (int j = 0; j < (derived ? f->parameters : 1); j++)
+        if (side_failed(m, j, 0, trouble) && (!derived || side_failed(m, j, 1, trouble))) return trouble->status;
+    return scree_report(trouble, SCREE_FAILED, NULL,
+                        "misfits at the start, or their derivatives, are beyond all numbers: see readings, deviations "
+                        "and differences");
 }
 
 static scree_status solve(const struct fit_file *f, struct model *m, int (*progress)(void *, const scree_lm_progress *),
@@ -318,18 +363,16 @@ static scree_status solve(const struct fit_file *f, struct model *m, int (*progr
     void *workspace = malloc(scree_lm_workspace(n, (int)f->readings));
     if (!workspace) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory to fit %zu readings", f->readings);
     result->outcome = scree_lm_solve(&problem, &options, result->value, workspace);
-    scree_status status = SCREE_OK;
-    if (result->outcome.reason == SCREE_LM_NOT_FINITE) {
-        int failed = 0, jobs = 2 * n * f->experiments;
-        while (failed < jobs && m->status[failed] == SCREE_OK) failed++;
-        status = failed < jobs ? m->status[failed] : SCREE_FAILED;
-        *trouble = m->trouble[failed < jobs ? failed : 0];
+    scree_status status = result->outcome.reason == SCREE_LM_NOT_FINITE ? why_not(m, trouble) : SCREE_OK;
+    if (!status) {
+        result->refused = m->refused;
+        int rank = scree_lm_covariance(&problem, &options, result->value, result->covariance, free_ones, workspace);
+        find_intervals(m, rank, free_ones, result);
     }
-    int rank =
-        status ? -1 : scree_lm_covariance(&problem, &options, result->value, result->covariance, free_ones, workspace);
-    if (!status && rank < 0)
-        status = scree_report(trouble, SCREE_FAILED, NULL, "no derivatives where the fit has ended");
-    if (!status) find_intervals(f, rank, free_ones, result);
+    if (m->lack.status) {
+        *trouble = m->lack;
+        status = m->lack.status;
+    }
     memcpy(result->misfit, m->misfit, f->readings * sizeof *result->misfit);
     result->runs = m->runs;
     free(workspace);

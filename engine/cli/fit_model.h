@@ -7,8 +7,9 @@
 
 enum fit_state {
     FIT_FREE = 0,
-    FIT_HELD,        /* at a bound; how far the readings would let it move isn't known */
-    FIT_UNDETERMINED /* the readings don't tell it, alone or apart from others */
+    FIT_HELD,         /* at a bound; how far the readings would let it move isn't known */
+    FIT_UNDETERMINED, /* the readings don't tell it, alone or apart from others */
+    FIT_ADRIFT        /* the fit ended without a minimum */
 };
 
 /* Arrays have an entry a parameter unless said otherwise, and are owned. */
@@ -17,10 +18,11 @@ struct fit_result {
     long runs;                          /* of scenes */
     double *value, *error, *low, *high; /* standard error and confidence interval; NAN where there is none */
     enum fit_state *state;
-    double *covariance; /* of all pairs, as scree_lm_covariance gives it */
-    double *misfit;     /* (simulated - measured)/deviation of every reading: by experiment, column, row */
-    long freedom;       /* readings less parameters that they tell */
-    double scatter;     /* root of the sum of squares of `misfit` over `freedom` */
+    double *covariance;    /* of all pairs, as scree_lm_covariance gives it */
+    double *misfit;        /* (simulated - measured)/deviation of every reading: by experiment, column, row */
+    long freedom;          /* readings less parameters that they tell */
+    double scatter;        /* root of the sum of squares of `misfit` over `freedom` */
+    scree_trouble refused; /* why parameters that were tried couldn't be, the last time; status 0: all could */
 };
 
 /* Run experiment `k` with the parameters `x`, in steps of `step` s if that isn't 0 and the scene leaves the step to the

@@ -614,7 +614,7 @@ static scree_status write_all(struct planning *p) {
 
 static scree_status compute(struct planning *p) {
     const struct transport_file *f = &p->file;
-    if (f->title[0]) printf("%s\n", f->title);
+    if (f->title[0]) printf("%s\n", scree_shown(f->title).text);
     scree_status status = f->optimised ? choose_shares(p) : SCREE_OK;
     if (status) return status;
     make_plans(p);

@@ -225,15 +225,9 @@ static void summarise(const struct run *run, const char *folder, double seconds,
     fprintf(stderr, "written to %s\n", folder);
 }
 
-/* The state's folder, to be freed. */
-static char *folder_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash == path ? strdup("/") : slash ? strndup(path, (size_t)(slash - path)) : strdup(".");
-}
-
 /* The results that came with a state are the first half of the whole: they aren't written over. */
 static scree_status check_folder(struct run *run, const char *folder, const char *state) {
-    char *home = folder_of(state);
+    char *home = cli_folder_of(state);
     if (!home) return scree_report(&run->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     scree_status status = SCREE_OK;
     if (scree_same_file(home, folder))
