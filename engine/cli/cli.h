@@ -51,4 +51,7 @@ char *cli_folder_of(const char *path);
 /* A whole number from 1 to `most`, 0 after a complaint. */
 int cli_whole_number(const char *text, const char *option, int most);
 
+/* Threads asked for by --threads (NULL: not given, one for each processor); 0 after a complaint. */
+int cli_threads(const char *text);
+
 #endif

@@ -363,9 +363,7 @@ int cli_fit(int count, char **words) {
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (count != 1) return cli_complain("fit takes one fit file (see scree fit --help)");
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    struct fitting p = {.threads = processors > 0 ? (int)processors : 1};
-    if (threads) p.threads = cli_whole_number(threads, "--threads", 1024);
+    struct fitting p = {.threads = cli_threads(threads)};
     if (!p.threads) return EXIT_USAGE;
     char *named = folder ? NULL : cli_default_folder(words[0], "fit", "");
     p.output = (struct figures){.folder = folder ? folder : named, .plots = 1};

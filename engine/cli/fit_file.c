@@ -1,13 +1,12 @@
 /* A fit file: the task that `scree fit` works on. */
 #include "engine/cli/fit_file.h"
 
-#include "engine/c_locale.h"
-#include "engine/file.h"
 #include "engine/reader.h"
 #include "solver/lm.h"
 
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 const char *cli_program = "scree";
 
@@ -56,6 +57,11 @@ int cli_whole_number(const char *text, const char *option, int most) {
         return 0;
     }
     return (int)value;
+}
+
+int cli_threads(const char *text) {
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    return text ? cli_whole_number(text, "--threads", 1024) : processors > 0 ? (int)processors : 1;
 }
 
 /* The option that a word is, with its length; NULL if none. */

@@ -158,8 +158,7 @@ int cli_reproduce(int count, char **words) {
     code = select_figures(count, words, suite, wanted);
     if (code) return code;
 
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    int thread_count = threads ? cli_whole_number(threads, "--threads", 1024) : processors > 0 ? (int)processors : 1;
+    int thread_count = cli_threads(threads);
     if (!thread_count) return EXIT_USAGE;
     struct figures figures = {
         .folder = folder, .data = data ? data : find_data(), .plots = 1, .threads = thread_count, .verlet = verlet};
