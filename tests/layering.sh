@@ -3,49 +3,40 @@
 # usage: layering.sh SOURCE_ROOT STATIC_LIBRARY SHARED_LIBRARY
 root=$1 static=$(realpath "$2") shared=$(realpath "$3")
 failed=0
-includes=$(mktemp) || exit 1
-trap 'rm -f "$includes"' EXIT
 
 # Folders that a folder may include; libc and OpenMP headers are free, and the project names its folders in every include.
-allowed() {
-    case $1 in
-    bodies) echo 'bodies' ;;
-    contact) echo 'bodies contact' ;;
-    solver) echo 'solver' ;;
-    engine) echo 'bodies contact engine' ;;
-    engine/cli) echo 'bodies contact solver engine engine/cli' ;;
-    *) echo 'bodies contact solver engine engine/cli bench bench/peers tests' ;;
-    esac
-}
-libc=' assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdalign stdarg stdatomic stdbool stddef
- stdint stdio stdlib stdnoreturn string strings threads time unistd fcntl dirent getopt omp pthread sys/stat sys/types sys/wait
- sys/mman sys/resource sys/time sys/file sched '
-
 cd "$root" || exit 1
-for file in $(find bodies contact solver engine bench tests \( -name '*.c' -o -name '*.h' \) | sort); do
-    folder=$(dirname "$file")
-    may=$(allowed "$folder")
-    grep -n '^[[:space:]]*#[[:space:]]*include' "$file" >"$includes"
-    while IFS=: read -r line text; do
-        name=$(echo "$text" | sed 's/.*[<"]\(.*\)\.h[>"].*/\1/')
-        case $text in
-        *'<'*)
-            case $libc in
-            *[[:space:]]"$name"[[:space:]]*) ;;
-            *) case $folder/$name in
-                bench/peers/cminpack | bench/peers/gsl/*) ;; # other solvers, there if the build finds them
-                *) echo "$file:$line: <$name.h> is not from libc or OpenMP"; failed=1 ;;
-                esac ;;
-            esac ;;
-        *)
-            target=$(dirname "$name")
-            case " $may " in
-            *" $target "*) ;;
-            *) echo "$file:$line: $folder may not include \"$name.h\" (it may include: $may)"; failed=1 ;;
-            esac ;;
-        esac
-    done <"$includes"
-done
+find bodies contact solver engine bench tests \( -name '*.c' -o -name '*.h' \) | sort | xargs awk '
+BEGIN {
+    may["bodies"] = "bodies"
+    may["contact"] = "bodies contact"
+    may["solver"] = "solver"
+    may["engine"] = "bodies contact engine"
+    may["engine/cli"] = "bodies contact solver engine engine/cli"
+    may["bench"] = may["bench/peers"] = may["tests"] = may["engine/cli"] " bench bench/peers tests"
+    libc = " assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdalign stdarg stdatomic" \
+        " stdbool stddef stdint stdio stdlib stdnoreturn string strings threads time unistd fcntl dirent getopt omp" \
+        " pthread sys/stat sys/types sys/wait sys/mman sys/resource sys/time sys/file sched "
+}
+function among(word, words) { return index(" " words " ", " " word " ") > 0 }
+function folder_of(path) { return sub(/\/[^\/]*$/, "", path) ? path : "." }
+function refuse(why) {
+    print FILENAME ":" FNR ": " why
+    failed = 1
+}
+/^[[:space:]]*#[[:space:]]*include/ {
+    folder = folder_of(FILENAME)
+    system_header = /</
+    name = $0
+    sub(/^[^<"]*[<"]/, "", name)
+    sub(/\.h[>"].*$/, "", name)
+    # Of other solvers, there if the build finds them.
+    peer = folder == "bench/peers" && name ~ /^(cminpack$|gsl\/)/
+    if (system_header && !among(name, libc) && !peer) refuse("<" name ".h> is not from libc or OpenMP")
+    if (!system_header && !among(folder_of(name), may[folder]))
+        refuse(folder " may not include \"" name ".h\" (it may include: " may[folder] ")")
+}
+END { exit failed }' || failed=1
 
 # Every symbol that the libraries define for others begins with scree_ (the sanitizers add some of their own).
 strangers=$({ nm -g --defined-only "$static" 2>/dev/null; nm -D --defined-only "$shared"; } |
