@@ -104,7 +104,9 @@ typedef struct scree_spheres_def {
 } scree_spheres_def;
 
 typedef enum scree_generator {
-    SCREE_LATTICE = 0, /* at the points of a cubic lattice, row by row from `min` on: x first, then y, then z */
+    /* In the middles of cubic cells, row by row from `min` on: x first, then y, then z. Spheres that don't move may be
+     * wider than their cells, and then reach out of the box. */
+    SCREE_LATTICE = 0,
     SCREE_RANDOM, /* anywhere in the box, one after the other, the largest first, so that none overlap: neither each
                      other nor spheres that the scene has already */
 } scree_generator;
@@ -123,9 +125,9 @@ typedef struct scree_generate_def {
     double min[3], max[3]; /* the box that holds them all, m */
     double radius[2];      /* least and largest, m; the second 0: all have the first */
     scree_radii radii;     /* how radii are spread between the two */
-    int count;             /* 0: as many as the lattice has points */
-    double spacing;        /* of a lattice, m; 0: the largest diameter and twice the jitter */
-    double jitter;         /* m by which each coordinate is off its lattice point, at most */
+    int count;             /* 0: as many as the lattice has whole cells in the box */
+    double spacing;        /* of a lattice, the width of its cells, m; 0: the largest diameter and twice the jitter */
+    double jitter;         /* m by which each coordinate is off the middle of the cell, at most */
     uint64_t seed;         /* of jitter, radii and random places */
     double velocity[3];    /* m/s */
 } scree_generate_def;

@@ -84,7 +84,7 @@ scree_status scree_check_depth(struct scree_scene *scene, double time) {
     int ball = scene->bodies.place[contacts->deepest_ball], host = scene->bodies.place[contacts->deepest_host];
     double limit = fmin(scene->bodies.record[ball].limit, scene->bodies.record[host].limit);
     snprintf(cause, sizeof cause,
-             "overlap of %.3g m, beyond half a half-width (%.3g m): too soft, too fast or too long a step",
+             "overlap of %.6g m, beyond half a half-width (%.6g m): too soft, too fast or too long a step",
              contacts->deepest * limit, limit);
     return scree_scene_stop(scene, time, contacts->deepest_ball, contacts->deepest_host, cause);
 }

@@ -66,6 +66,11 @@ static inline double check_between(uint64_t *seed, double low, double high) {
     return low + (high - low) * check_random(seed);
 }
 
+/* Several of them. (As arguments of one call they would be drawn in an order that is the compiler's own.) */
+static inline void check_draw(uint64_t *seed, double low, double high, int count, double *numbers) {
+    for (int k = 0; k < count; k++) numbers[k] = check_between(seed, low, high);
+}
+
 /* ---- reference tables: CSV with # comments and a header; cells as text ---- */
 
 enum { CHECK_COLUMNS = 32, CHECK_CELL = 48, CHECK_ROWS = 400 };

@@ -426,9 +426,10 @@ friction_laws=$("$scree" laws | sed -n '/^friction/,/^rolling/s/^  \([a-z0-9-]*\
 for law in $friction_laws; do expect "figure 9 draws $law" grep -q "^\"$law\"," "$work/figures/fig_9.csv"; done
 for law in $normal_laws; do expect "figure 8 draws $law" grep -q "^\"$law\"," "$work/figures/fig_8.csv"; done
 mkdir "$work/bad"
-printf '#!/bin/sh\nexit 1\n' >"$work/bad/gnuplot"
+printf '#!/bin/sh\nfor script; do echo "<svg>" >"${script%%.gp}.svg"; done\nexit 1\n' >"$work/bad/gnuplot"
 chmod +x "$work/bad/gnuplot"
 check 'figures when gnuplot fails' 1 'failed on 2 of the plots' env PATH="$work/bad:$PATH" "$scree" reproduce -o "$work/unplotted" 8 9
+nothing_left "$work/unplotted/fig_8.svg"
 expect 'all data are there when it fails' test -s "$work/unplotted/fig_8.csv" -a -s "$work/unplotted/fig_9.csv" -a -s "$work/unplotted/report.csv"
 if command -v gnuplot >/dev/null; then
     check 'figures with gnuplot' 0 'bounds met' "$scree" reproduce -o "$work/figures" 9

@@ -90,11 +90,12 @@ static inline char *heap_text(void) {
     uint64_t seed = 5;
     for (int k = 0; k < COUNT; k++) {
         double x = 0.0115 * (k % 12), y = 0.0115 * (k / 12 % 12), z = 0.006 + 0.0115 * (k / 144);
-        used +=
-            sprintf(text + used,
-                    "[[body]]\nname = \"b%d\"\nmaterial = \"ball\"\nshape = { %s }\nposition = [%.17g, %.17g, %.17g]\n",
-                    k, k % 50 ? "sphere = 0.005" : "box = [0.006, 0.007, 0.008], rounding = 0.001",
-                    x + check_between(&seed, -5e-4, 5e-4), y + check_between(&seed, -5e-4, 5e-4), z);
+        double off[2];
+        check_draw(&seed, -5e-4, 5e-4, 2, off);
+        used += sprintf(
+            text + used,
+            "[[body]]\nname = \"b%d\"\nmaterial = \"ball\"\nshape = { %s }\nposition = [%.17g, %.17g, %.17g]\n", k,
+            k % 50 ? "sphere = 0.005" : "box = [0.006, 0.007, 0.008], rounding = 0.001", x + off[0], y + off[1], z);
     }
     return text;
 }

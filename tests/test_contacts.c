@@ -3,14 +3,15 @@
 #include "tests/scenes.h"
 
 static struct vec random_vec(uint64_t *seed, double size) {
-    double x = check_between(seed, -size, size), y = check_between(seed, -size, size);
-    return vec(x, y, check_between(seed, -size, size));
+    double x[3];
+    check_draw(seed, -size, size, 3, x);
+    return vec_from(x);
 }
 
 static struct quat random_attitude(uint64_t *seed) {
-    struct quat q = {check_between(seed, -1, 1), check_between(seed, -1, 1), check_between(seed, -1, 1),
-                     check_between(seed, -1, 1)};
-    return quat_normalise(q);
+    double q[4];
+    check_draw(seed, -1.0, 1.0, 4, q);
+    return quat_normalise((struct quat){q[0], q[1], q[2], q[3]});
 }
 
 /* ---- geometry ---- */
@@ -115,7 +116,7 @@ static void test_boxes_depth(void) {
         struct vec apart = random_vec(&seed, roundings > 0.0 ? 0.8 : 0.4);
         double depth = scree_boxes_depth(apart, &a, &b, roundings), least = HUGE_VAL;
         for (int trial = 0; trial < 20000; trial++) {
-            struct vec n = vec_sub(random_vec(&seed, 1.0), random_vec(&seed, 1.0));
+            struct vec from = random_vec(&seed, 1.0), n = vec_sub(from, random_vec(&seed, 1.0));
             n = vec_scale(1.0 / vec_norm(n), n);
             least = fmin(least, scree_box_reach(n, &a) + scree_box_reach(n, &b) + roundings - fabs(vec_dot(n, apart)));
         }
@@ -172,7 +173,9 @@ static char *crowd_text(int count) {
     uint64_t seed = 11;
     for (int k = 0; k < count; k++) {
         double x = -0.054 + 0.036 * (k % 4), y = -0.054 + 0.036 * (k / 4 % 4), z = 0.06 + 0.036 * (k / 16);
-        double radius = check_between(&seed, 0.006, 0.012);
+        double radius = check_between(&seed, 0.006, 0.012), off[2], speed[2];
+        check_draw(&seed, -0.004, 0.004, 2, off);
+        check_draw(&seed, -0.5, 0.5, 2, speed);
         used += snprintf(text + used, size - (size_t)used, "[[body]]\nname = \"b%d\"\nmaterial = \"%s\"\n", k,
                          k % 5 ? "stuff" : "brick");
         used += k % 8 == 0
@@ -181,9 +184,8 @@ static char *crowd_text(int count) {
                                1.2 * radius, 1.6 * radius, 2.0 * radius, k % 7)
                     : snprintf(text + used, size - (size_t)used, "shape = { sphere = %.17g }\n", radius);
         used += snprintf(text + used, size - (size_t)used,
-                         "position = [%.17g, %.17g, %.17g]\nvelocity = [%.17g, %.17g, -1.0]\n",
-                         x + check_between(&seed, -0.004, 0.004), y + check_between(&seed, -0.004, 0.004), z,
-                         check_between(&seed, -0.5, 0.5), check_between(&seed, -0.5, 0.5));
+                         "position = [%.17g, %.17g, %.17g]\nvelocity = [%.17g, %.17g, -1.0]\n", x + off[0], y + off[1],
+                         z, speed[0], speed[1]);
     }
     return text;
 }
@@ -253,12 +255,14 @@ static void check_candidates(double ratio, double spread, double height, int cou
                          "[domain]\nmin = [-1, %.17g, -1e9]\nmax = [1e9, %.17g, 1e9]\nperiodic = [\"y\"]\n", -spread,
                          spread);
     uint64_t seed = 17;
-    for (int k = 0; k < count; k++)
+    for (int k = 0; k < count; k++) {
+        double radius = 1e-3 * pow(ratio, pow(check_random(&seed), 3.0)), at[2];
+        check_draw(&seed, -spread, spread, 2, at);
         used += snprintf(text + used, size - (size_t)used,
                          "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = %.17g }\n"
                          "position = [%.17g, %.17g, %.17g]\n",
-                         k, 1e-3 * pow(ratio, pow(check_random(&seed), 3.0)), 1e3 * k,
-                         check_between(&seed, -spread, spread), height * check_between(&seed, -spread, spread));
+                         k, radius, 1e3 * k, at[0], height * at[1]);
+    }
     scree_scene *scene = scene_from(text, NULL, 0, 0);
     struct scree_contacts *contacts = &scene->contacts;
     struct scree_bodies *bodies = &scene->bodies;
@@ -496,15 +500,17 @@ static scree_scene *pressed_pairs(const char *normal, const char *friction, cons
                         rolling ? "rolling = { " : "", rolling ? rolling : "", rolling ? " }\n" : "");
     uint64_t seed = 21;
     for (int k = 0; k < 2 * pairs; k++) {
-        double radius = check_between(&seed, 0.008, 0.012), pace = pow(10.0, -(k / 2 % 5));
+        double radius = check_between(&seed, 0.008, 0.012), pace = pow(10.0, -(k / 2 % 5)), off[2], slow[2];
+        check_draw(&seed, -1e-3, 1e-3, 2, off);
+        double speed = check_between(&seed, -0.3, 0.3);
+        check_draw(&seed, -0.01, 0.01, 2, slow);
+        double spin = check_between(&seed, -9.0, 9.0);
         used += snprintf(
             text + used, size - (size_t)used,
             "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = %.17g }\nposition = [%.17g, %.17g, %.17g]\n"
             "velocity = [%.17g, %.17g, %.17g]\nspin = [%.17g, %.17g, %.17g]\n",
-            k, radius, 0.1 * (k / 2) + 0.0185 * (k % 2), check_between(&seed, -1e-3, 1e-3),
-            check_between(&seed, -1e-3, 1e-3), check_between(&seed, -0.3, 0.3),
-            check_between(&seed, -0.01, 0.01) * pace, check_between(&seed, -0.01, 0.01) * pace,
-            check_between(&seed, -9.0, 9.0) * pace, 3.0 * pace, -7.0 * pace);
+            k, radius, 0.1 * (k / 2) + 0.0185 * (k % 2), off[0], off[1], speed, slow[0] * pace, slow[1] * pace,
+            spin * pace, 3.0 * pace, -7.0 * pace);
     }
     scree_scene *scene = scene_from(text, NULL, 0, 0);
     free(text);

@@ -338,7 +338,9 @@ static void test_takes_energy(void) {
             struct scree_sliding at = {.normal = check_between(&seed, -2.0, 10.0), .overlap = 1e-5};
             at.normal = at.normal > 0.0 ? at.normal : 0.0;
             at.half = 0.5e-7 * pow(10.0, check_between(&seed, 0.0, 4.0));
-            at.velocity = vec(pace * check_between(&seed, -1.0, 1.0), pace * check_between(&seed, -1.0, 1.0), 0.0);
+            double across[3] = {0.0};
+            check_draw(&seed, -pace, pace, 2, across);
+            at.velocity = vec_from(across);
             at.stretch = kept.stretch;
             at.sliding = kept.sliding;
             kept = act(&f, pair, at);
@@ -807,12 +809,14 @@ static scree_scene *balls(const char *friction) {
         "rolling = { law = \"spring-dashpot\", rolling = 0.05, twisting = 0.02, stiffness = 1e3, damping = 0.5 }\n"
         "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n",
         friction);
-    for (int k = 0; k < 18; k++)
+    for (int k = 0; k < 18; k++) {
+        double speed[2];
+        check_draw(&seed, -0.3, 0.3, 2, speed);
         used += snprintf(text + used, sizeof text - (size_t)used,
                          "[[body]]\nname = \"b%d\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\n"
                          "position = [%.17g, %.17g, %.17g]\nvelocity = [%.17g, %.17g, -0.5]\n",
-                         k, 0.021 * (k % 3), 0.021 * (k / 3 % 3), 0.011 + 0.021 * (k / 9),
-                         check_between(&seed, -0.3, 0.3), check_between(&seed, -0.3, 0.3));
+                         k, 0.021 * (k % 3), 0.021 * (k / 3 % 3), 0.011 + 0.021 * (k / 9), speed[0], speed[1]);
+    }
     return scene_from(text, NULL, 0, 0);
 }
 

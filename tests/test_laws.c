@@ -352,8 +352,11 @@ static void test_coulomb_takes_energy(void) {
             "coulomb", 4, {{"static", 0.5}, {"kinetic", 0.3}, {"stiffness", 1e4}, {"damping", dampings[trial % 4]}}};
         struct scree_rule rule = make_friction(choice, &law);
         struct scree_sliding at = {.normal = check_between(&seed, 0.0, 10.0), .half = 1e-5};
-        at.velocity = vec(check_between(&seed, -1.0, 1.0), check_between(&seed, -1.0, 1.0), 0.0);
-        at.stretch = vec(check_between(&seed, -5e-4, 5e-4), check_between(&seed, -5e-4, 5e-4), 0.0);
+        double velocity[3] = {0.0}, stretch[3] = {0.0};
+        check_draw(&seed, -1.0, 1.0, 2, velocity);
+        check_draw(&seed, -5e-4, 5e-4, 2, stretch);
+        at.velocity = vec_from(velocity);
+        at.stretch = vec_from(stretch);
         at.sliding = trial % 3 == 0;
         struct scree_tangential f = law->force(&rule.friction_constants, no_pair, at);
         if (vec_dot(f.force, at.velocity) > 0.0) continue;

@@ -94,13 +94,15 @@ static char *gas_text(double speed) {
                         k % 90 == 7 ? "block" : "ball", k == 0 ? "sphere = 0.024" : shape);
         double place[3] = {0.02 + 0.012 * x, 0.02 + 0.012 * y, 0.02 + 0.012 * z};
         if (k == 0) place[0] = 0.2, place[1] = 0.09, place[2] = 0.15;
-        used += sprintf(text + used, "position = [%.17g, %.17g, %.17g]\n", place[0] + check_between(&seed, -1e-4, 1e-4),
-                        place[1] + check_between(&seed, -1e-4, 1e-4), place[2]);
+        double off[2], v[3];
+        check_draw(&seed, -1e-4, 1e-4, 2, off);
+        check_draw(&seed, -speed, speed, 3, v);
+        used +=
+            sprintf(text + used, "position = [%.17g, %.17g, %.17g]\n", place[0] + off[0], place[1] + off[1], place[2]);
         if (k % 200 == 5)
             used += sprintf(text + used, "joint = \"fixed\"\n");
         else
-            used += sprintf(text + used, "velocity = [%.17g, %.17g, %.17g]\n", check_between(&seed, -speed, speed),
-                            check_between(&seed, -speed, speed), check_between(&seed, -speed, speed));
+            used += sprintf(text + used, "velocity = [%.17g, %.17g, %.17g]\n", v[0], v[1], v[2]);
     }
     return text;
 }

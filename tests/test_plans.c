@@ -27,8 +27,9 @@ static scree_plan plan_of(const scree_transport *transport, double cycles, enum 
 /* ---- segments and profiles ---- */
 
 static struct scree_kinematics random_state(uint64_t *seed) {
-    return (struct scree_kinematics){check_between(seed, -1.0, 1.0), check_between(seed, -1.0, 1.0),
-                                     check_between(seed, -1.0, 1.0), check_between(seed, -1.0, 1.0)};
+    double x[4];
+    check_draw(seed, -1.0, 1.0, 4, x);
+    return (struct scree_kinematics){x[0], x[1], x[2], x[3]};
 }
 
 /* v(u) as the process model writes it, term by term. */
@@ -327,8 +328,10 @@ static void test_random_starts(void) {
     scree_plan root = plan_of(&task, 500.0, SCREE_PLAN_B);
     double mean = task.distance / root.duration;
     for (int k = 0; k < 200; k++) {
-        double guess[4] = {check_between(&seed, 0.1, 3.0) * mean, check_between(&seed, 0.0, 1.5) * mean,
-                           check_between(&seed, 0.1, 3.0) * mean, check_between(&seed, -20.0, 0.0) * mu_g};
+        const double low[4] = {0.1 * mean, 0.0, 0.1 * mean, -20.0 * mu_g},
+                     high[4] = {3.0 * mean, 1.5 * mean, 3.0 * mean, 0.0};
+        double guess[4];
+        for (int i = 0; i < 4; i++) guess[i] = check_between(&seed, low[i], high[i]);
         scree_plan plan;
         scree_plan_options options = {.formulation = SCREE_PLAN_B, .guess = guess};
         scree_plan_make(&task, 500.0, &options, &plan);

@@ -291,7 +291,8 @@ static void test_names(void) {
     int count = 0;
     while (count < MANY) {
         char stem[24];
-        snprintf(stem, sizeof stem, "%s%d", odd[(int)check_between(&seed, 0, 9.99)], (int)check_between(&seed, 0, 3));
+        const char *begin = odd[(int)check_between(&seed, 0, 9.99)];
+        snprintf(stem, sizeof stem, "%s%d", begin, (int)check_between(&seed, 0, 3));
         if (check_between(&seed, 0, 1) < 0.5) stem[strlen(stem) - 1] = 0;
         if (check_between(&seed, 0, 1) < 0.5) number = (long)check_between(&seed, 0, 1200);
         int run = 1 + (int)check_between(&seed, 0, 150);

@@ -176,12 +176,12 @@ scree_status figures_plot(struct figures *figures, const char *name, const char 
         status = scree_out_keep(&out, &figures->trouble);
     }
     /* The plot of other data isn't left beside these. */
-    char *old = status ? NULL : file_name(figures, name, ".svg");
-    if (old) remove(old);
-    free(old);
+    char *plot = status ? NULL : file_name(figures, name, ".svg");
+    if (plot) remove(plot);
     if (!status && figures->plots) {
         const char *base = strrchr(path, '/') + 1;
         int code = run_gnuplot(figures->folder, base);
+        if (code && plot) remove(plot); /* half of one */
         if (code == 127) {
             figures->plots = 0;
             printf("gnuplot can't be started: the data (.csv) and the plot scripts (.gp) are there, the "
@@ -191,6 +191,7 @@ scree_status figures_plot(struct figures *figures, const char *name, const char 
             printf("gnuplot failed on %s\n", path);
         }
     }
+    free(plot);
     free(path);
     return status;
 }
