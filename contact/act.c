@@ -14,11 +14,6 @@
 #include <sched.h>
 #include <stdatomic.h>
 
-static int contacts_in_block(const struct scree_batch *batch, int block) {
-    int left = batch->segment[0].count - block * SCREE_LANES;
-    return left < SCREE_LANES ? left : SCREE_LANES;
-}
-
 /* ---- segment 0 ---- */
 
 static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contact *contact,
@@ -47,7 +42,7 @@ static inline void collect(struct scree_contacts *contacts, struct scree_bodies 
     int first = batch->segment[0].first + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
     if (batch->geometry == SCREE_EDGE_EDGE && yield->silent) return;
-    for (int lane = 0; lane < contacts_in_block(batch, block); lane++) {
+    for (int lane = 0; lane < scree_contacts_in_block(batch, block); lane++) {
         struct scree_contact contact = scree_contact_at(batch, first + lane);
         if (contacts->rest.asleep > 0 && scree_is_still(bodies, &batch->ends[first + lane])) continue;
         int ball = bodies->number[contact.ball], host = bodies->number[contact.host];
@@ -67,7 +62,7 @@ void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies
 
 static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                       const struct scree_batch *batch, int block, double step) {
-    int count = contacts_in_block(batch, block), first = batch->segment[0].first + block * SCREE_LANES;
+    int count = scree_contacts_in_block(batch, block), first = batch->segment[0].first + block * SCREE_LANES;
     const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
     loop->act(contacts, bodies, batch, first, count, step, &batch->yield[block]);
 }

@@ -369,7 +369,9 @@ static scree_status share_out(struct scree_contacts *contacts, scree_trouble *tr
         found->first = all;
         all += (size_t)found->capacity;
     }
-    return scree_make_space(&contacts->listed, all * sizeof(int), trouble);
+    scree_status status = scree_make_space(&contacts->listed, all * sizeof(int), trouble);
+    for (int part = 0; status && part < SCREE_PARTS; part++) contacts->found[part].capacity = 0;
+    return status;
 }
 
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,

@@ -201,6 +201,12 @@ static inline int scree_first(const struct scree_batch *batch) {
     return -1;
 }
 
+/* Contacts of a block of segment 0. */
+static inline int scree_contacts_in_block(const struct scree_batch *batch, int block) {
+    int left = batch->segment[0].count - block * SCREE_LANES;
+    return left < SCREE_LANES ? left : SCREE_LANES;
+}
+
 /* Number m of what laws keep of contact k. */
 static inline double scree_kept(const struct scree_batch *batch, int m, int k) {
     if (m == SCREE_KEPT_STATE) return batch->slides && batch->slides[k] ? 1.0 : 0.0;
@@ -304,6 +310,7 @@ struct scree_contacts {
     double *widest;
     struct scree_space boxes;
     int box_pairs;
+    int broken;    /* for lack of memory lists are incomplete: all must be made before contacts are looked at */
     long rebuilds; /* of the outer list */
     long renewals; /* of near lists */
     struct scree_tally tally[SCREE_SEGMENTS];
@@ -343,12 +350,12 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
 
 /* Make outer and near lists from the records as they are; carries contact memory over, gives every body its margin:
  * `path` in its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists
- * can't be used. */
+ * can't be used (`broken`), but what is kept of contacts is all there. */
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 
 /* After bodies have outgrown their margins (path > skin/2): pick near contacts anew from the outer list, or make
- * both lists anew if a body has used up what the outer one left it. */
+ * both lists anew if a body has used up what the outer one left it, or if they are broken. */
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble);
 
@@ -358,12 +365,13 @@ scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_b
 scree_status scree_contacts_keep_order(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                        scree_trouble *trouble);
 
-/* Forget all contacts; then append one with its memory, in the list's order (for a restored state; the next list
- * carries it over). `kept` counts if the batch has memory, `past` if it keeps impulses. */
+/* For a restored state: room for so many contacts in a batch, some with corners (or not); then forget all contacts, and
+ * append one with its memory, in the list's order. The next list carries it over. `kept` counts if the batch has
+ * memory, `past` if it keeps impulses. */
+scree_status scree_contacts_reserve(struct scree_batch *batch, int count, int corners, scree_trouble *trouble);
 void scree_contacts_forget(struct scree_contacts *contacts);
-scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
-                                     const struct scree_contact *contact, const double *kept, const double *past,
-                                     scree_trouble *trouble);
+void scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
+                             const struct scree_contact *contact, const double *kept, const double *past);
 
 /* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. */
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads);
@@ -380,8 +388,8 @@ struct scree_departure {
 int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                                 const struct scree_departure *go);
 
-/* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` per step and contact, 0: one,
- * with friction two where one isn't enough. */
+/* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` times as many per step and
+ * contact as its stiffness asks for; 0: so many, with friction two where one isn't enough. */
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps);
 
 /* Give contacts and bodies the past of a state at rest: the forces of `now` for two steps. For the start of a run. */

@@ -470,11 +470,6 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     place.yield->steep[place.lane] = steep;
 }
 
-static int contacts_in_block(const struct scree_batch *batch, int block) {
-    int left = batch->segment[0].count - block * SCREE_LANES;
-    return left < SCREE_LANES ? left : SCREE_LANES;
-}
-
 /* Contacts first … first + count - 1, a block or less: what they yield. Those that go several at once keep no books:
  * where books are wanted, each is reckoned beside it, so that what is measured changes no bit of the motion. */
 static void impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
@@ -504,7 +499,7 @@ static void impel_lanes(const struct scree_contacts *contacts, const struct scre
 static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
     impel_lanes(contacts, bodies, now, batch, batch->segment[0].first + block * SCREE_LANES,
-                contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block]);
+                scree_contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block]);
 }
 
 /* Moments of angular impulses into the bodies; balls have no attitude, and need none. `hosts` 0: partners are
@@ -594,7 +589,7 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
     }
     for (int block = 0; block < blocks; block++) {
         scree_contacts_collect(contacts, bodies, batch, block);
-        int first = batch->segment[0].first + block * SCREE_LANES, count = contacts_in_block(batch, block);
+        int first = batch->segment[0].first + block * SCREE_LANES, count = scree_contacts_in_block(batch, block);
         const struct scree_moments *moments = &batch->moments[block];
         for (int lane = 0; lane < count; lane++)
             for (int k = 0; k < 3; k++) {

@@ -480,8 +480,8 @@ static scree_status set_common_constants(const struct scree_contacts *contacts, 
     return SCREE_OK;
 }
 
-scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
-                                 scree_trouble *trouble) {
+static scree_status make_lists(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                               scree_trouble *trouble) {
     widen_margins(contacts, bodies);
     scree_status status = scree_candidates(contacts, bodies, threads, trouble);
     if (status) return status;
@@ -500,6 +500,13 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
     if (status) return status;
     contacts->rebuilds++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);
+}
+
+scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
+                                 scree_trouble *trouble) {
+    scree_status status = make_lists(contacts, bodies, threads, trouble);
+    contacts->broken = status != SCREE_OK;
+    return status;
 }
 
 /* No list may drop a contact that still holds, hence 1.5 times the reach. Fast bodies among many may go as far as the
@@ -524,6 +531,7 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin, last = 0.0;
+    if (contacts->broken) return scree_contacts_list(contacts, bodies, threads, trouble);
     if (are_many(contacts, bodies))
         last = steps_ahead(contacts, bodies);
     else

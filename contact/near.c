@@ -361,15 +361,12 @@ static scree_status renew_batch(struct scree_contacts *contacts, const struct sc
         if (capacity[s] < least) capacity[s] = least;
         lack |= lacking[s];
     }
-    if (lack) {
-        status = lay_out(batch, segments, capacity, trouble);
-        if (status) return status;
-        for (int s = 0; s < segments; s++)
-            if (lacking[s]) renew(contacts, bodies, batch, s, &contacts->scratch[0]);
-    }
+    if (lack) status = lay_out(batch, segments, capacity, trouble);
+    for (int s = 0; s < segments && !status; s++)
+        if (lacking[s]) renew(contacts, bodies, batch, s, &contacts->scratch[0]);
     batch->count = 0;
     for (int s = 0; s < segments; s++) batch->count += batch->segment[s].count;
-    return enlarge_yield(batch, trouble);
+    return status ? status : enlarge_yield(batch, trouble);
 }
 
 /* ---- edges on edges ---- */
@@ -417,6 +414,7 @@ scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct s
         if (!status && batch->geometry == SCREE_EDGE_EDGE) status = find_runs(contacts, bodies, batch, trouble);
         if (!status && !batch->uniform) status = scree_pair_constants(contacts, bodies, batch, trouble);
     }
+    contacts->broken |= status != SCREE_OK;
     return status;
 }
 
@@ -430,22 +428,21 @@ void scree_contacts_forget(struct scree_contacts *contacts) {
     }
 }
 
-scree_status scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
-                                     const struct scree_contact *contact, const double *kept, const double *past,
-                                     scree_trouble *trouble) {
+scree_status scree_contacts_reserve(struct scree_batch *batch, int count, int corners, scree_trouble *trouble) {
+    batch->corners |= corners;
+    return enlarge_batch(batch, padded(count), trouble);
+}
+
+void scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
+                             const struct scree_contact *contact, const double *kept, const double *past) {
     struct scree_part *segment = &batch->segment[scree_segment_of(bodies, batch, contact)];
     int place = batch->count;
-    scree_status status = SCREE_OK;
-    batch->corners |= contact->corner != 0;
-    status = enlarge_batch(batch, place == batch->capacity ? padded(place + place / 2 + SCREE_LANES) : 0, trouble);
-    if (status) return status;
     if (segment->count == 0) segment->first = place;
     segment->capacity = ++segment->count;
     scree_put_contact(batch, place, *contact);
     for (int m = 0; m < SCREE_MEMORY; m++) scree_keep(batch, m, place, kept[m]);
     for (int m = 0; batch->impulses && m < SCREE_PAST; m++) batch->past[m][place] = past[m];
     batch->count++;
-    return SCREE_OK;
 }
 
 /* Let contacts name bodies by their numbers (1) or by their places (0). */
@@ -615,33 +612,51 @@ static scree_status room_for_moving(struct scree_contacts *contacts, int count, 
     return SCREE_OK;
 }
 
-/* The two batches of one rule. */
-static scree_status recode_rule(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                struct scree_batch *own, struct scree_batch *image, scree_trouble *trouble) {
-    int in_own = close_up(own), in_image = close_up(image);
-    int out = count_moving(contacts, own, in_own), in = count_moving(contacts, image, in_image);
-    scree_status status = room_for_moving(contacts, out + in, trouble);
-    if (!status) status = enlarge_batch(own, padded(in_own + in), trouble);
-    if (!status) status = enlarge_batch(image, padded(in_image + out), trouble);
-    if (!status)
-        status = scree_make_space(&contacts->rough, (size_t)(in_own + in_image + out + in) * sizeof(int), trouble);
-    if (status) return status;
+/* The two batches of one rule: of two bodies as they are, and across the border. */
+struct own_and_image {
+    struct scree_batch *own, *image;
+    int in_own, in_image, out, in; /* contacts there, and on their way out of `own` and into it */
+};
+
+static struct own_and_image both_of(struct scree_contacts *contacts, const struct scree_rule *rule) {
+    struct own_and_image both = {.own = scree_batch_for(contacts, rule, SCREE_BALL_BALL),
+                                 .image = scree_batch_for(contacts, rule, SCREE_BALL_IMAGE)};
+    both.in_own = close_up(both.own);
+    both.in_image = close_up(both.image);
+    both.out = count_moving(contacts, both.own, both.in_own);
+    both.in = count_moving(contacts, both.image, both.in_image);
+    return both;
+}
+
+static scree_status room_for_recoding(struct scree_contacts *contacts, const struct scree_rule *rule,
+                                      scree_trouble *trouble) {
+    struct own_and_image both = both_of(contacts, rule);
+    int all = both.in_own + both.in_image + both.out + both.in;
+    scree_status status = room_for_moving(contacts, both.out + both.in, trouble);
+    if (!status) status = enlarge_batch(both.own, padded(both.in_own + both.in), trouble);
+    if (!status) status = enlarge_batch(both.image, padded(both.in_image + both.out), trouble);
+    return status ? status : scree_make_space(&contacts->rough, (size_t)all * sizeof(int), trouble);
+}
+
+static void recode_rule(struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_rule *rule) {
+    struct own_and_image both = both_of(contacts, rule);
+    struct scree_batch *own = both.own, *image = both.image;
+    int in_own = both.in_own, in_image = both.in_image, out = both.out, in = both.in;
     in_own = take_out(contacts, own, in_own, contacts->moving);
     in_image = take_out(contacts, image, in_image, contacts->moving + out);
     put_in(own, in_own, contacts->moving + out, in);
     put_in(image, in_image, contacts->moving, out);
     sort_batch(bodies, own, in_own + in, contacts->rough.memory);
     sort_batch(bodies, image, in_image + out, contacts->rough.memory);
-    return SCREE_OK;
 }
 
 scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                    scree_trouble *trouble) {
     scree_status status = SCREE_OK;
-    for (int r = 0; r < contacts->rules && !status; r++) {
-        const struct scree_rule *rule = &contacts->rule[r];
-        status = recode_rule(contacts, bodies, scree_batch_for(contacts, rule, SCREE_BALL_BALL),
-                             scree_batch_for(contacts, rule, SCREE_BALL_IMAGE), trouble);
-    }
+    contacts->broken = 1;
+    for (int r = 0; r < contacts->rules && !status; r++)
+        status = room_for_recoding(contacts, &contacts->rule[r], trouble);
+    for (int r = 0; r < contacts->rules && !status; r++) recode_rule(contacts, bodies, &contacts->rule[r]);
     return status;
 }

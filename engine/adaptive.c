@@ -15,15 +15,17 @@ static int body_size(const struct scree_bodies *bodies, int k) {
 scree_status scree_adaptive_create(struct scree_scene *scene) {
     struct scree_adaptive *a = calloc(1, sizeof *a);
     scene->adaptive = a;
-    size_t bodies = (size_t)scene->bodies.count + 1;
+    size_t bodies = (size_t)scene->bodies.count + 1, size = Y_BODIES;
+    for (int k = 0; k < scene->bodies.count; k++) size += (size_t)body_size(&scene->bodies, k);
     if (a) {
         a->clock = -1;
         a->at = calloc(bodies, sizeof *a->at);
         a->held = calloc(bodies, sizeof *a->held);
         a->measure = calloc(bodies, sizeof *a->measure);
         a->spin_energy = calloc(bodies, sizeof *a->spin_energy);
+        a->begun = calloc(size, sizeof *a->begun);
     }
-    if (a && a->at && a->held && a->measure && a->spin_energy) return SCREE_OK;
+    if (a && a->at && a->held && a->measure && a->spin_energy && a->begun) return SCREE_OK;
     return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the unknowns");
 }
 
@@ -39,6 +41,7 @@ void scree_adaptive_destroy(struct scree_scene *scene) {
     free(a->held);
     free(a->measure);
     free(a->spin_energy);
+    free(a->begun);
     free(a->grip);
     free(a->old_grip);
     free(a->view);
@@ -316,6 +319,7 @@ scree_status scree_adaptive_begin_step(struct scree_scene *scene) {
     if (status) return status;
     memset(a->y, 0, a->work.size * sizeof *a->y);
     pack(scene);
+    memcpy(a->begun, a->y, (size_t)a->nowhere * sizeof *a->begun);
     for (int k = 0; k < a->grips; k++) {
         double kept[SCREE_MEMORY];
         struct scree_grip *grip = &a->grip[k];
@@ -327,6 +331,14 @@ scree_status scree_adaptive_begin_step(struct scree_scene *scene) {
         if (scree_adaptive_memory_size(grip)) memcpy(a->y + a->place[k], memory, sizeof memory);
     }
     return SCREE_OK;
+}
+
+void scree_adaptive_go_back(struct scree_scene *scene) {
+    struct scree_adaptive *a = scene->adaptive;
+    a->earliest = a->start;
+    a->limit = HUGE_VAL;
+    scree_adaptive_place(scene, a->begun);
+    scene->contacts.broken = 1; /* lists are those of a later time */
 }
 
 void scree_adaptive_keep(struct scree_scene *scene) {

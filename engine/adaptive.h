@@ -39,6 +39,7 @@ struct scree_adaptive {
     double *y;           /* unknowns at the start of a step */
     double *arrived;     /* unknowns at its end */
     double *next;        /* rates there */
+    double *begun;       /* unknowns of the bodies at the start of the scene's step */
     int *at;             /* first unknown of each body, -1 where nothing can change */
     int *place;          /* of each contact's memory in y */
     int nowhere;         /* zeros in y: the memory of contacts that are apart or have none */
@@ -92,9 +93,10 @@ scree_status scree_adaptive_list(struct scree_scene *scene);
 /* A place in y for the memory of a contact that begins. */
 void scree_adaptive_claim(struct scree_adaptive *a, int grip);
 
-/* Everything anew from bodies and kept memory, at the start of a step of the scene; and contact memory back, from the
- * views. */
+/* Everything anew from bodies and kept memory, at the start of a step of the scene; the bodies back to that start; and
+ * contact memory back, from the views. */
 scree_status scree_adaptive_begin_step(struct scree_scene *scene);
+void scree_adaptive_go_back(struct scree_scene *scene);
 void scree_adaptive_keep(struct scree_scene *scene);
 
 /* Set what errors of the coming step are measured by, from the views of its start. */

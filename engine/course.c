@@ -99,6 +99,13 @@ static int touching(const struct scree_adaptive *a) {
 
 /* ---- one step ---- */
 
+/* At the time reached; bodies by their places. */
+static scree_status stop_at(struct scree_scene *scene, int body, int other, const char *cause) {
+    const int *number = scene->bodies.number;
+    double time = scene->adaptive->start + scene->adaptive->y[Y_TIME];
+    return scree_scene_stop(scene, time, number[body], other >= 0 ? number[other] : -1, cause);
+}
+
 static scree_status give_up(struct scree_scene *scene, double step) {
     struct scree_adaptive *a = scene->adaptive;
     int body = a->worst, other = -1;
@@ -117,7 +124,7 @@ static scree_status give_up(struct scree_scene *scene, double step) {
              "the tolerance of %.3g can't be reached%s: the step has fallen to %.3g s; a law jumps here, or the "
              "tolerance is below rounding",
              scene->time.tolerance, contact, step);
-    return scree_scene_stop(scene, a->start + a->y[Y_TIME], body, other, cause);
+    return stop_at(scene, body, other, cause);
 }
 
 static double spin_energy(const struct scree_inertia *inertia, const double *own) {
@@ -170,8 +177,8 @@ static void note_depths(struct scree_scene *scene) {
         double depth = a->view[k].overlap / limit;
         if (depth <= contacts->deepest) continue;
         contacts->deepest = depth;
-        contacts->deepest_ball = c->ball;
-        contacts->deepest_host = c->host;
+        contacts->deepest_ball = scene->bodies.number[c->ball];
+        contacts->deepest_host = scene->bodies.number[c->host];
     }
 }
 
@@ -200,9 +207,9 @@ static scree_status stop_at_edges(struct scree_scene *scene) {
         for (int run = 0; run < batch->runs; run++) {
             const struct scree_ends *ends = &batch->ends[batch->segment[0].first + batch->run[run].start];
             if (edges_touch(&scene->bodies, batch, run))
-                return scree_scene_stop(scene, a->start + a->y[Y_TIME], ends->ball, ends->host,
-                                        "an edge touches an edge, which the integrator \"adaptive\" doesn't know; take "
-                                        "\"verlet\"");
+                return stop_at(scene, ends->ball, ends->host,
+                               "an edge touches an edge, which the integrator \"adaptive\" doesn't know; take "
+                               "\"verlet\"");
         }
     }
     return SCREE_OK;
@@ -289,9 +296,9 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
     }
     a->stalled = time > 0.0 ? 0 : a->stalled + 1;
     if (a->stalled > 300)
-        return scree_scene_stop(scene, a->start + a->y[Y_TIME], a->worst, -1,
-                                "contacts near it change to and fro without end, and time doesn't pass; its laws jump "
-                                "where they should be continuous");
+        return stop_at(scene, a->worst, -1,
+                       "contacts near it change to and fro without end, and time doesn't pass; its laws jump "
+                       "where they should be continuous");
     scree_status status = scree_check_depth(scene, a->start + a->y[Y_TIME]);
     return status ? status : stop_at_edges(scene);
 }
@@ -448,10 +455,15 @@ static scree_status integrate(struct scree_scene *scene) {
 scree_status scree_adaptive_step(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     struct scree_contacts *contacts = &scene->contacts;
-    double before, after;
+    double before, after, inner_step = scene->inner_step;
     scree_status status = stored_now(scene, &before);
     if (!status) status = scree_adaptive_begin_step(scene);
-    if (!status) status = integrate(scene);
+    if (status) return status;
+    status = integrate(scene);
+    if (status == SCREE_NO_MEMORY) {
+        scree_adaptive_go_back(scene);
+        scene->inner_step = inner_step;
+    }
     if (status) return status;
     a->clock = -1;
     a->every = 1;

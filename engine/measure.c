@@ -74,12 +74,12 @@ scree_body_state scree_scene_body(const scree_scene *scene, int index) {
 }
 
 scree_status scree_scene_look_now(struct scree_scene *scene) {
-    if (!scene->shadow.record) {
-        scree_status status = scree_bodies_shadow(&scene->bodies, &scene->shadow, &scene->trouble);
-        if (status) return status;
-    }
-    scree_bodies_look_now(&scene->bodies, scree_scene_time(scene), &scene->shadow);
-    return SCREE_OK;
+    scree_status status = SCREE_OK;
+    if (!scene->shadow.record) status = scree_bodies_shadow(&scene->bodies, &scene->shadow, &scene->trouble);
+    if (!status && scene->contacts.broken)
+        status = scree_contacts_list(&scene->contacts, &scene->bodies, 1, &scene->trouble);
+    if (!status) scree_bodies_look_now(&scene->bodies, scree_scene_time(scene), &scene->shadow);
+    return status;
 }
 
 /* Only what forces can change counts: free directions and free turns. */

@@ -229,16 +229,29 @@ static void put_memories(struct stream *s, const scree_scene *scene) {
     }
 }
 
+/* Room for the remembered contacts. */
+static scree_status make_room(scree_scene *scene, const struct memory *memory, long count) {
+    struct scree_contacts *contacts = &scene->contacts;
+    scree_status status = SCREE_OK;
+    for (int b = 0; b < contacts->batches && !status; b++) {
+        int own = 0, corners = 0;
+        for (long n = 0; n < count; n++) {
+            if (memory[n].batch != b) continue;
+            own++;
+            corners |= memory[n].contact.corner != 0;
+        }
+        if (own) status = scree_contacts_reserve(&contacts->batch[b], own, corners, &scene->trouble);
+    }
+    return status;
+}
+
 /* Let the lists hold just the remembered contacts; making the list anew then carries their memory over as ever. */
 static scree_status remember(scree_scene *scene, const struct memory *memory, long count) {
     struct scree_contacts *contacts = &scene->contacts;
     scree_contacts_forget(contacts);
-    for (long n = 0; n < count; n++) {
-        scree_status status =
-            scree_contacts_remember(&contacts->batch[memory[n].batch], &scene->bodies, &memory[n].contact,
-                                    memory[n].kept, memory[n].past, &scene->trouble);
-        if (status) return status;
-    }
+    for (long n = 0; n < count; n++)
+        scree_contacts_remember(&contacts->batch[memory[n].batch], &scene->bodies, &memory[n].contact, memory[n].kept,
+                                memory[n].past);
     return scree_contacts_list(contacts, &scene->bodies, 1, &scene->trouble);
 }
 
@@ -314,6 +327,10 @@ static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
 scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be saved");
+    if (scene->waits) /* the impulses of its last step, which are state, have gone into predicted velocities */
+        return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL,
+                            "%s: the scene has begun a step for which there was no memory; it can be saved after it",
+                            name);
     struct stream s = {.file = file, .hash = scree_hash_start};
     struct scalars scalars = scalars_of(scene);
     struct prints prints = prints_of(scene);
@@ -379,7 +396,7 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
                           const struct body_part *part, const struct memory *memory, long memories) {
     struct scree_bodies *bodies = &scene->bodies;
     set_scalars(scene, scalars);
-    scene->ahead = scene->too_far = 0;
+    scene->ahead = scene->too_far = scene->waits = 0;
     take_places(scene, order, part);
     for (int k = 0; k < bodies->count; k++) {
         memcpy(bodies->position[k], part[k].x, sizeof part[k].x);
@@ -465,6 +482,8 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     struct memory *memory = NULL;
     struct scree_order order;
     status = read_rest(scene, &s, name, &order, part, &memory, memories);
+    if (!status) status = make_room(scene, memory, memories);
+    if (!status) memset(scene->halving, 0, sizeof scene->halving); /* the state's own aren't in it */
     if (!status) status = apply(scene, &scalars, &order, part, memory, memories);
     free(part);
     free(memory);

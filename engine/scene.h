@@ -96,6 +96,7 @@ struct scree_scene {
     long steps;
     int ahead;           /* members of slabs (bodies/order.c) are at the middle of the next step already, */
     int too_far;         /* and one of them has outgrown its margin there */
+    int waits;           /* all records are at the middle of the next step, for whose lists there was no memory */
     double carried[3];   /* kg m, mass times way of all bodies' returns into the periodic box, against it */
     double driven;       /* J put in by drives and tilting so far */
     double first_energy; /* J at the start */
@@ -135,6 +136,8 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy);
 
 /* Effective radius of two bodies for their laws, whichever of them is the ball: the rounder one of two boxes; m. */
 double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j);
+
+int scree_is_finite(const double a[3]);
 
 /* Report that the run went wrong in body `body` (and `other`, -1: none) at `time`; SCREE_FAILED. */
 scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, int other, const char *cause);

@@ -183,8 +183,9 @@ SCREE_API int scree_scene_asleep(const scree_scene *scene);
 
 /* Advance by `steps` steps, 0 to 1e15. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a
  * body faster than the list can follow; the trouble record names body, partner, time and cause, and the state is as it
- * was then, positions to their last digit but one. If the watch has halved the step meanwhile, the time reached is the
- * same, after as many more steps. */
+ * was then, positions to their last digit but one. SCREE_NO_MEMORY: so it is then too; tried again, the step comes out
+ * as if nothing had happened, and until then the scene can't be saved. If the watch has halved the step meanwhile, the
+ * time reached is the same, after as many more steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
 
 /* A halving of the step: when the run went wrong and to where it went back, s; the new step, s; and the cause in
@@ -276,7 +277,8 @@ SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);
 /* Write the state to a file (`name` for messages), and read it into a baked scene of the same definition, which then
  * goes on as if never interrupted: an automatic step is taken from the state; energy books that the state doesn't hold
  * begin with it. SCREE_NO_FILE; SCREE_BAD_INPUT for a file of another scene (the message says what differs) or a
- * damaged one (the scene stays as it was). */
+ * damaged one (the scene stays as it was); SCREE_NO_MEMORY: it stays so, or has the state and asks for the memory of
+ * its lists again in the next step. */
 SCREE_API scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name);
 SCREE_API scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *name);
 

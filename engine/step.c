@@ -25,7 +25,7 @@ static scree_status stop(scree_scene *scene, int body, int other, const char *ca
     return scree_scene_stop(scene, scree_scene_time(scene), body, other, cause);
 }
 
-static int is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
+int scree_is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
 
 static int threads_of(const scree_scene *scene) { return scene->time.threads > 0 ? scene->time.threads : 1; }
 
@@ -35,7 +35,7 @@ static scree_status renew_list(scree_scene *scene, const struct scree_bodies *no
     const struct scree_bodies *bodies = &scene->bodies;
     for (int k = 0; k < bodies->count; k++) {
         const struct scree_record *record = &bodies->record[k];
-        if (!is_finite(record->x) || !is_finite(record->v) || !is_finite(record->w))
+        if (!scree_is_finite(record->x) || !scree_is_finite(record->v) || !scree_is_finite(record->w))
             return stop(scene, bodies->number[k], -1,
                         "its position or velocity is no longer a finite number; the step is too large or a "
                         "contact too stiff");
@@ -115,8 +115,9 @@ static scree_status step_by_impulses(scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step, gravity[3];
     scree_gravity_at(scene, time + 0.5 * step, gravity);
-    if (scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow,
-                               threads_of(scene))) {
+    int too_far = scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow,
+                                         threads_of(scene));
+    if (too_far | scene->contacts.broken) {
         scree_status status = renew_list(scene, &scene->shadow); /* the others' speeds are guesses */
         if (status) return status;
     }
@@ -139,8 +140,10 @@ static scree_status keep_order(scree_scene *scene) {
  * looked at. */
 static int look_ahead(scree_scene *scene, const double gravity[3]) {
     struct scree_bodies *bodies = &scene->bodies;
+    if (scene->waits) return 1;
     int count = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
     scene->ahead = 0;
+    too_far |= scene->contacts.broken;
     return too_far | scree_bodies_look_ahead_some(bodies, count, scree_scene_time(scene), scene->step, gravity,
                                                   0.5 * scene->contacts.skin);
 }
@@ -182,11 +185,9 @@ static scree_status step_once(scree_scene *scene, int more) {
     if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
     double gravity[3];
     scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
-    if (look_ahead(scene, gravity)) {
-        status = renew_list(scene, &scene->bodies);
-        if (status) return status;
-    }
-    status = scree_rest_prepare(&scene->contacts, &scene->bodies, scene->step, &scene->trouble);
+    if (look_ahead(scene, gravity)) status = renew_list(scene, &scene->bodies);
+    if (!status) status = scree_rest_prepare(&scene->contacts, &scene->bodies, scene->step, &scene->trouble);
+    scene->waits = status == SCREE_NO_MEMORY;
     if (status) return status;
     act_and_advance(scene, gravity, more && may_hurry(scene));
     scene->steps++;

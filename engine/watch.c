@@ -8,13 +8,12 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { STEPS_KEPT = 1000, FIRST_STEPS = 2 };
 
 /* The books may be off by this share of what was turned over. */
 static const double tolerable_gap = 0.1;
-
-static int has_numbers(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
 
 /* A state that the next step would stop at isn't worth keeping. */
 static scree_status check_state(scree_scene *scene) {
@@ -22,17 +21,11 @@ static scree_status check_state(scree_scene *scene) {
         int number = scene->bodies.number[k];
         const struct scree_state *state = &scene->bodies.state[k];
         double way = vec_norm(vec_from(state->v)) * scene->step;
-        if (has_numbers(scene->bodies.position[k]) && has_numbers(state->l) && way <= scene->contacts.chosen_skin)
-            continue;
-        scree_report(
-            &scene->trouble, SCREE_FAILED, NULL,
-            "stopped at t = %.9g s: body \"%s\": it is no longer where numbers reach, or moves too far in a step "
-            "to be watched; the step is too large or a contact too stiff",
-            scree_scene_time(scene), scree_name_of(scene, number).text);
-        scene->trouble.time = scree_scene_time(scene);
-        scene->trouble.body = number;
-        scene->trouble.other = -1;
-        return SCREE_FAILED;
+        int is_number = scree_is_finite(scene->bodies.position[k]) && scree_is_finite(state->l);
+        if (is_number && way <= scene->contacts.chosen_skin) continue;
+        return scree_scene_stop(scene, scree_scene_time(scene), number, -1,
+                                "it is no longer where numbers reach, or moves too far in a step to be watched; the "
+                                "step is too large or a contact too stiff");
     }
     return SCREE_OK;
 }
@@ -161,8 +154,11 @@ static scree_status restore(scree_scene *scene) {
     const struct scree_checkpoint *kept = &scene->checkpoint;
     FILE *file = fmemopen(kept->state, kept->size, "rb");
     if (!file) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory to go back to the state kept");
+    scree_halving halving[SCREE_HALVINGS];
+    memcpy(halving, scene->halving, sizeof halving);
     scree_status status = scree_scene_restore(scene, file, "memory");
     fclose(file);
+    memcpy(scene->halving, halving, sizeof halving);
     scene->hasty = kept->hasty;
     scene->hastiest = kept->hastiest;
     scene->books_begun = kept->books_begun;

@@ -839,6 +839,37 @@ static void test_refusals(void) {
     scree_scene_destroy(other);
 }
 
+/* Of many spheres, which lie in the order of space, the right ones are named. */
+static void test_names(void) {
+    enum { MANY = 1200, FLIES = 10 };
+    const double apart = 0.1;
+    scree_scene *scene = scree_scene_create();
+    scree_material_def material = {.name = "stuff", .density = 1000.0};
+    scree_contact_def contact = {.normal = {"linear", 2, {{"stiffness", 50.0}, {"damping", 0.0}}}};
+    scree_time_def time = {.step = 1e-3, .integrator = SCREE_ADAPTIVE, .tolerance = 1e-6, .speed = 1.0};
+    CHECK(scree_scene_add_material(scene, &material, NULL) == SCREE_OK);
+    CHECK(scree_scene_add_contact(scene, &contact) == SCREE_OK);
+    for (int k = 0; k < MANY; k++) { /* numbered against the order of space */
+        char name[16];
+        snprintf(name, sizeof name, "b%d", k);
+        scree_body_def body = {.name = name, .shape = {.kind = SCREE_SPHERE, .radius = 0.01}};
+        body.position[0] = k == FLIES ? (MANY - FLIES - 1) * apart + 0.03 : (MANY - k) * apart;
+        body.velocity[0] = k == FLIES ? -1.0 : 0.0;
+        CHECK(scree_scene_add_body(scene, &body, NULL) == SCREE_OK);
+    }
+    CHECK(scree_scene_set_time(scene, &time) == SCREE_OK && scree_scene_bake(scene) == SCREE_OK);
+    CHECK(scene->bodies.place[FLIES] != FLIES);
+    int ball = -1, host = -1;
+    scree_status status = SCREE_OK;
+    for (int k = 0; k < 40 && !status; k++) status = scree_scene_step(scene, 1);
+    scree_scene_deepest(scene, &ball, &host);
+    CHECK((ball == FLIES && host == FLIES + 1) || (host == FLIES && ball == FLIES + 1));
+    if (status) CONTAINS(scree_scene_trouble(scene)->text, "\"b10\"");
+    if (status) CONTAINS(scree_scene_trouble(scene)->text, "\"b11\"");
+    CHECK(status == SCREE_FAILED);
+    scree_scene_destroy(scene);
+}
+
 int main(void) {
     test_restitution();
     test_tables();
@@ -858,5 +889,6 @@ int main(void) {
     test_every_law();
     test_refusals();
     test_edges();
+    test_names();
     return check_report();
 }
