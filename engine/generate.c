@@ -147,6 +147,8 @@ struct cells {
     int highest; /* finest grid in use */
     size_t last; /* number of places, a power of two, less one */
     int *place, *next;
+    int *behind; /* of a grid's spheres the one that came before, -1: none */
+    int newest[GRIDS], spheres[GRIDS];
     const double (*at)[3];
     const double *radius;
 };
@@ -161,8 +163,8 @@ static size_t place_of(const struct cells *cells, int level, const long cell[3])
 }
 
 /* Whether one of a chain is too near; other cells' spheres in the same chain only cost time. */
-static int chain_overlaps(const struct cells *cells, int first, const double at[3], double radius) {
-    for (int k = first; k >= 0; k = cells->next[k]) {
+static int chain_overlaps(const struct cells *cells, const int *next, int first, const double at[3], double radius) {
+    for (int k = first; k >= 0; k = next[k]) {
         double reach = radius + cells->radius[k];
         if (vec_norm2(vec_sub(vec_from(at), vec_from(cells->at[k]))) < reach * reach) return 1;
     }
@@ -171,16 +173,24 @@ static int chain_overlaps(const struct cells *cells, int first, const double at[
 
 static int overlaps(const struct cells *cells, const double at[3], double radius) {
     for (int level = 0; level <= cells->highest; level++) {
+        if (cells->spheres[level] == 0) continue;
         double size = ldexp(cells->coarsest, -level), reach = radius + 0.5 * size;
         long low[3], high[3], cell[3];
+        double in_reach = 1.0;
         for (int axis = 0; axis < 3; axis++) {
             low[axis] = cell_of(at[axis] - reach, size);
             high[axis] = cell_of(at[axis] + reach, size);
+            in_reach *= (double)(high[axis] - low[axis]) + 1.0;
+        }
+        if (in_reach > cells->spheres[level]) { /* one large sphere reaches any number of small cells */
+            if (chain_overlaps(cells, cells->behind, cells->newest[level], at, radius)) return 1;
+            continue;
         }
         for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++)
             for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
                 for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
-                    if (chain_overlaps(cells, cells->place[place_of(cells, level, cell)], at, radius)) return 1;
+                    if (chain_overlaps(cells, cells->next, cells->place[place_of(cells, level, cell)], at, radius))
+                        return 1;
     }
     return 0;
 }
@@ -195,6 +205,8 @@ static void enter(struct cells *cells, int k) {
     size_t place = place_of(cells, level, cell);
     cells->next[k] = cells->place[place];
     cells->place[place] = k;
+    cells->behind[k] = cells->spheres[level]++ ? cells->newest[level] : -1;
+    cells->newest[level] = k;
 }
 
 static int compare_larger_first(const void *a, const void *b) {
@@ -247,10 +259,11 @@ static scree_status fill_random(scree_scene *scene, const scree_generate_def *de
     while (places < 2 * all) places *= 2;
     struct cells cells = {.last = places - 1, .at = (const double(*)[3])at, .radius = radius};
     cells.place = malloc(places * sizeof *cells.place);
-    cells.next = malloc(all * sizeof *cells.next);
+    cells.next = malloc(2 * all * sizeof *cells.next);
     scree_status status = SCREE_OK;
     if (!cells.place || !cells.next)
         status = scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for %d spheres", def->count);
+    if (!status) cells.behind = cells.next + all;
     for (size_t k = 0; k < places && !status; k++) cells.place[k] = -1;
     for (size_t k = 0; k < count; k++) radius[k] = draw_radius(def, &state);
     qsort(radius, count, sizeof *radius, compare_larger_first);

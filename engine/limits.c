@@ -142,13 +142,17 @@ static double fall_height(const struct scree_scene *scene) {
     return high > low ? high - low : 0.0;
 }
 
+/* A sine's peak by its rate: the instants that are looked at may all be its turning points. */
 static double fastest_motion(const struct scree_motion *motion) {
     double fastest = 0.0;
     for (int k = 0; k < motion->count; k++) {
-        double start = motion->pieces[k].start;
-        double end = k + 1 < motion->count ? motion->pieces[k + 1].start : start + 1.0;
-        for (int part = 0; part < 32; part++)
-            fastest = fmax(fastest, fabs(scree_motion_at(motion, start + (end - start) * part / 32.0).velocity));
+        const struct scree_motion_piece *piece = &motion->pieces[k];
+        double end = k + 1 < motion->count ? motion->pieces[k + 1].start : piece->start + 1.0;
+        fastest = fmax(fastest, fabs(piece->amplitude * piece->rate));
+        for (int part = 0; part < 32; part++) {
+            double time = piece->start + (end - piece->start) * part / 32.0;
+            fastest = fmax(fastest, fabs(scree_motion_at(motion, time).velocity));
+        }
     }
     return fastest;
 }

@@ -56,6 +56,8 @@ scree_status scree_output_open(struct scree_output *output, const char *folder, 
     *output = (struct scree_output){.folder = folder, .request = request};
     scree_status status = scree_make_folder(folder, trouble);
     unsigned write = request->write;
+    /* Every run writes a state, so nobody else writes into the folder from here on. */
+    if (!status) status = open_one(output, &output->state, "final.state", "", trouble);
     if (!status && write & SCREE_WRITE_BODIES)
         status = open_one(output, &output->bodies, "bodies.csv", bodies_header, trouble);
     if (!status && write & SCREE_WRITE_CONTACTS)
@@ -184,9 +186,7 @@ scree_status scree_output_row(struct scree_output *output, scree_scene *scene, s
 }
 
 static scree_status finish_state(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
-    scree_status status = open_one(output, &output->state, "final.state", "", trouble);
-    if (status) return status;
-    status = scree_scene_save(scene, output->state.file, output->state.path);
+    scree_status status = scree_scene_save(scene, output->state.file, output->state.path);
     if (status) *trouble = *scree_scene_trouble(scene);
     return status ? status : scree_out_finish(&output->state, trouble);
 }

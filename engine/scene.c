@@ -109,12 +109,13 @@ scree_status scree_scene_add_material(scree_scene *scene, const scree_material_d
 scree_status scree_scene_add_motion(scree_scene *scene, const scree_motion_def *def, int *index) {
     scree_status status = check_new(scene, "motion", def->name, scree_scene_find_motion(scene, def->name));
     if (status) return status;
-    int capacity = scene->motion_capacity;
+    int capacity = scene->motion_capacity, of_names = capacity;
     char *name = NULL;
     struct scree_motion motion;
-    status = make_room(scene, (void **)&scene->motion, scene->motions, &scene->motion_capacity, sizeof *scene->motion);
+    status = make_room(scene, (void **)&scene->motion, scene->motions, &capacity, sizeof *scene->motion);
     if (!status)
-        status = make_room(scene, (void **)&scene->motion_name, scene->motions, &capacity, sizeof *scene->motion_name);
+        status = make_room(scene, (void **)&scene->motion_name, scene->motions, &of_names, sizeof *scene->motion_name);
+    if (!status) scene->motion_capacity = capacity; /* of both */
     if (!status) status = scree_motion_bake(def, &motion, &scene->trouble);
     if (status) return status;
     status = copy_name(scene, def->name, &name);

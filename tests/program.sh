@@ -37,6 +37,7 @@ check 'unknown command' 2 'did you mean "check"?' "$scree" chek
 for command in run check reproduce plan impact fit laws; do check "$command --help" 0 'example:' "$scree" $command --help; done
 check 'unknown option' 2 'did you mean "--threads"?' "$scree" run --thread 2
 check 'missing value' 2 'needs a value' "$scree" run x.toml -o
+check 'a sweep of too many points' 2 'whole number from 2' "$scree" impact --law 'hertz modulus=1e8' --sweep speed=1:2:4294967298
 check 'bad number' 2 'whole number' "$scree" run x.toml --threads two
 check 'two scenes' 2 'takes one scene file' "$scree" run a b
 
@@ -393,7 +394,8 @@ while [ ! -e "$work/both/bodies.csv.part" ] && [ $tries -lt 100 ]; do
     sleep 0.1
     tries=$((tries + 1))
 done
-check 'two runs into one folder' 2 'bodies.csv.part: another run is writing it' "$scree" run "$scenes/bounce.toml" -o "$work/both"
+check 'two runs into one folder' 2 'final.state.part: another run is writing it' "$scree" run "$scenes/bounce.toml" -o "$work/both"
+check 'two runs, other tables' 2 'another run is writing it' "$scree" run "$scenes/bounce.toml" -o "$work/both" --set 'output.write=["vtk"]'
 kill $long
 wait $long 2>/dev/null
 check 'one after the other' 0 'written to' "$scree" run "$scenes/bounce.toml" -o "$work/both" --set time.end=0.01

@@ -93,6 +93,17 @@ static void test_random(void) {
     NEAR(mean, 0.0011, 4.0 * 0.0018 / sqrt(12.0 * 2000.0)); /* 4 deviations of a mean of 2000 */
     scree_scene_destroy(scene);
 
+    /* Beside a speck of dust, of which a large sphere reaches any number of cells. */
+    scene =
+        scene_from(HEAD "[[body]]\nname = \"dust\"\nmaterial = \"glass\"\nshape = { sphere = 1e-7 }\nposition = [0.02, "
+                        "0.02, 0.02]\njoint = \"fixed\"\n[[generate]]\nname = \"large\"\nkind = "
+                        "\"random\"\nmaterial = \"glass\"\ncount = 10\nradius = 0.004\nmin = [0, 0, 0]\nmax = [0.05, "
+                        "0.05, 0.05]\n",
+                   NULL, 0, 1);
+    CHECK(scree_scene_bodies(scene) == 11 &&
+          least_gap(scene, 0.0, 0.05) >= -1e-9); /* rounding over the speck's radius */
+    scree_scene_destroy(scene);
+
     /* By mass: of the volume, the lower half of the radii has as much as the upper one. The number of large ones is 1
      * in 100, their share of the volume scatters by some 5 %. */
     scene = scene_from(HEAD RANDOM "distribution = \"mass\"\n", NULL, 0, 1);
@@ -136,6 +147,24 @@ static void test_wide_ratio(void) {
                                     NULL, 0, 1);
     CHECK(least_gap(scene, 0.0, 0.05) >= -1e-12);
     scree_scene_destroy(scene);
+}
+
+/* A sine's peak is reckoned with, wherever its phase begins. */
+static void test_shaken_speed(void) {
+    char text[1024];
+    for (int phase = 0; phase < 4; phase++) {
+        snprintf(
+            text, sizeof text,
+            HEAD
+            "[[motion]]\nname = \"shake\"\nkind = \"sine\"\namplitude = 0.1\nfrequency = 16\nphase = %g\n"
+            "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"glass\"\n"
+            "joint = { z = \"shake\", others = \"fixed\" }\n"
+            "[[body]]\nname = \"ball\"\nshape = { sphere = 0.001 }\nmaterial = \"glass\"\nposition = [0, 0, 0.15]\n",
+            0.5 * phase * 3.14159265358979);
+        scree_scene *scene = scene_from(text, NULL, 0, 1);
+        CHECK(scene->plan.choice.speed >= 0.1 * 32.0 * 3.14159265358979);
+        scree_scene_destroy(scene);
+    }
 }
 
 /* ---- tables ---- */
@@ -726,6 +755,7 @@ int main(void) {
     snprintf(scene_path, sizeof scene_path, "/tmp/scree_spheres_%ld.toml", (long)getpid());
     test_lattice();
     test_random();
+    test_shaken_speed();
     test_wide_ratio();
     test_table();
     test_bad_tables();

@@ -89,15 +89,16 @@ static int read_number(const char *text, const char *option, double *value) {
 
 static int read_sweep(const char *text, struct sweep *sweep) {
     char ratio[8] = "", after = '\0';
+    double points = 0.0;
     *sweep = (struct sweep){.count = 1};
     if (!text) return EXIT_GOOD;
-    int read =
-        sscanf(text, "%63[^=]=%lf:%lf:%d:%7s%c", sweep->name, &sweep->from, &sweep->to, &sweep->count, ratio, &after);
+    int read = sscanf(text, "%63[^=]=%lf:%lf:%lf:%7s%c", sweep->name, &sweep->from, &sweep->to, &points, ratio, &after);
     sweep->by_ratio = strcmp(ratio, "log") == 0;
     if ((read != 4 && !(read == 5 && sweep->by_ratio)) || text[strlen(text) - 1] == ':')
         return cli_complain("--sweep takes NAME=FROM:TO:COUNT or NAME=FROM:TO:COUNT:log, not \"%s\"", text);
-    if (sweep->count < 2 || sweep->count > MOST_POINTS)
+    if (!(points >= 2.0 && points <= MOST_POINTS && points == floor(points)))
         return cli_complain("--sweep %s: COUNT must be a whole number from 2 to %d", sweep->name, MOST_POINTS);
+    sweep->count = (int)points;
     if (!isfinite(sweep->from) || !isfinite(sweep->to) || sweep->from == sweep->to)
         return cli_complain("--sweep %s: FROM and TO must be two numbers", sweep->name);
     if (sweep->by_ratio && !(sweep->from > 0.0 && sweep->to > 0.0))

@@ -658,6 +658,8 @@ int cli_plan(int count, char **words) {
     char *named = folder ? NULL : cli_default_folder(words[0], "plan", "");
     p.output = (struct figures){.folder = folder ? folder : named, .plots = 1, .threads = p.threads};
     scree_status status = transport_file_read(words[0], assignments, assignment_count, &p.file, &p.output.trouble);
+    if (!status && !p.output.folder)
+        status = scree_report(&p.output.trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     struct scree_c_locale locale = scree_enter_c_locale();
     if (!status) status = work(&p);
     scree_leave_c_locale(locale);
