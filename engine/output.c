@@ -69,9 +69,11 @@ scree_status scree_output_open(struct scree_output *output, const char *folder, 
     return status;
 }
 
-/* A name as a CSV cell (RFC 4180): quoted if it must be. */
+/* A name as a CSV cell (RFC 4180): quoted if it must be, as must blanks around it and the mark of a comment. */
 static void put_name(FILE *file, const char *name) {
-    if (!strpbrk(name, ",\"\n\r")) {
+    size_t length = strlen(name);
+    int bare = !strpbrk(name, ",\"\n\r") && length && !strchr(" \t#", name[0]) && !strchr(" \t", name[length - 1]);
+    if (bare) {
         fputs(name, file);
         return;
     }

@@ -46,15 +46,16 @@ static int is_comment(const char *line) {
 /* Take the quotes off a cell that is quoted as a whole, in place (RFC 4180); where it ends, NULL if it isn't quoted
  * so. */
 static char *unquote(char *cell) {
-    char *to = cell, *from = cell + 1;
+    char *to = cell, *close = cell + 1;
     if (*cell != '"') return NULL;
-    for (; *from && !(from[0] == '"' && from[1] != '"'); from++) {
+    while (*close && (close[0] != '"' || close[1] == '"')) close += *close == '"' ? 2 : 1;
+    if (!*close) return NULL;
+    char *end = close + 1 + strspn(close + 1, " \t");
+    if (*end && *end != ',') return NULL;
+    for (const char *from = cell + 1; from < close; from++) {
         if (*from == '"') from++;
         *to++ = *from;
     }
-    if (!*from) return NULL;
-    char *end = from + 1 + strspn(from + 1, " \t");
-    if (*end && *end != ',') return NULL;
     *to = '\0';
     return end;
 }

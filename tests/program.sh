@@ -129,7 +129,7 @@ $1
 END
 }
 spheres '[[generate]]
-name = "a grain"
+name = "# grain"
 kind = "random"
 material = "glass, clear"
 radius = [1e-3, 2e-3]

@@ -194,6 +194,9 @@ static void test_tables(void) {
         {"a,b\n1,nan\n", "t.csv:2:3: \"nan\" is no number"},
         {"a,b\n1,1e999\n", "t.csv:2:3: \"1e999\" is no number"},
         {"a,b\n1,\n", "t.csv:2:3: \"\" is no number"},
+        {"a,b\n0,\"12\n", "t.csv:2:3: \"\"12\" is no number"},
+        {"a,b\n\"0.5,1\n", "t.csv:2:1: \"\"0.5\" is no number"},
+        {"a,b\n0,\"1\"2\n", "t.csv:2:3: \"\"1\"2\" is no number"},
         {"a, a\n1,2\n", "t.csv:1:4: there are two columns \"a\""},
         {"# c\nx,time_s\n\n1,2\n# c\n3,2\n", "t.csv:6:3: time_s must increase: 2 after 2"}};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {

@@ -102,8 +102,24 @@ static void test_refused(void) {
     refused("time.sleep=1e-5", "gravity={vector=[0,0,-9.81], tilt=\"push\", axis=[0,1,0]}", "while gravity tilts");
 }
 
+/* However slow, what nothing holds goes on. */
+static void test_drifting(void) {
+    scree_scene *scene = scene_from(
+        "gravity = [0, 0, 0]\n[time]\nend = 100.0\nstep = 5e-5\nsleep = 0.2\n[[material]]\nname = \"m\"\ndensity = "
+        "1000\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e3, restitution = 0.2 }\n"
+        "[[body]]\nname = \"a\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nvelocity = [0.1, 0, 0]\n"
+        "[[body]]\nname = \"b\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nposition = [0.5, 0, 0]\n",
+        NULL, 0, 1);
+    go(scene, 4000);
+    CHECK(!sleeps(scene, "a"));
+    NEAR(state_of(scene, "a").position[0], 0.02, 4000 * 2e-16 * 0.02);
+    scree_scene_destroy(scene);
+}
+
 int main(void) {
     test_push();
+    test_drifting();
     test_carried();
     test_refused();
     return check_report();
