@@ -67,6 +67,11 @@ static int is_at(int descriptor, const char *path) {
            own.st_ino == there.st_ino;
 }
 
+static int is_folder(const char *path) {
+    struct stat there;
+    return stat(path, &there) == 0 && S_ISDIR(there.st_mode);
+}
+
 /* An empty file that nobody else writes; -1, with EWOULDBLOCK if somebody does. */
 static int open_alone(const char *path) {
     for (;;) {
@@ -91,6 +96,11 @@ scree_status scree_out_open(struct scree_out *out, const char *path, scree_troub
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     }
     snprintf(out->temporary, size, "%s.part", path);
+    if (is_folder(path)) { /* it would be in the way in the end */
+        scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(EISDIR));
+        forget(out);
+        return SCREE_NO_FILE;
+    }
     int descriptor = open_alone(out->temporary);
     out->lock = descriptor < 0 ? 0 : dup(descriptor); /* holds the lock until the file has its name */
     if (out->lock > 0 && (out->file = fdopen(descriptor, "wb"))) return SCREE_OK;
@@ -144,8 +154,9 @@ scree_status scree_make_folder(const char *path, scree_trouble *trouble) {
     for (char *slash = part; slash && !status;) {
         slash = strchr(slash + 1, '/');
         if (slash) *slash = '\0';
-        if (mkdir(part, 0777) != 0 && errno != EEXIST)
-            status = scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", part, strerror(errno));
+        if (mkdir(part, 0777) != 0 && (errno != EEXIST || !is_folder(part)))
+            status =
+                scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", part, strerror(errno == EEXIST ? ENOTDIR : errno));
         if (slash) *slash = '/';
     }
     free(part);

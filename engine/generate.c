@@ -195,6 +195,25 @@ static int overlaps(const struct cells *cells, const double at[3], double radius
     return 0;
 }
 
+/* The same, of images across the borders of the periodic box too. */
+static int is_taken(const struct cells *cells, const scree_domain_def *domain, const double at[3], double radius) {
+    int first[3] = {0}, last[3] = {0}, image[3];
+    double reach = radius + 0.5 * cells->coarsest;
+    for (int axis = 0; axis < 3; axis++) {
+        first[axis] = domain->periodic[axis] && at[axis] + reach > domain->max[axis] ? -1 : 0;
+        last[axis] = domain->periodic[axis] && at[axis] - reach < domain->min[axis] ? 1 : 0;
+    }
+    for (image[0] = first[0]; image[0] <= last[0]; image[0]++)
+        for (image[1] = first[1]; image[1] <= last[1]; image[1]++)
+            for (image[2] = first[2]; image[2] <= last[2]; image[2]++) {
+                double there[3];
+                for (int axis = 0; axis < 3; axis++)
+                    there[axis] = at[axis] + image[axis] * (domain->max[axis] - domain->min[axis]);
+                if (overlaps(cells, there, radius)) return 1;
+            }
+    return 0;
+}
+
 static void enter(struct cells *cells, int k) {
     int level = 0;
     while (level < GRIDS - 1 && 2.0 * cells->radius[k] <= ldexp(cells->coarsest, -level - 1)) level++;
@@ -214,26 +233,42 @@ static int compare_larger_first(const void *a, const void *b) {
     return (first < second) - (first > second);
 }
 
+static double volume_of(double radius) { return 4.0 / 3.0 * 3.14159265358979323846 * radius * radius * radius; }
+
 static scree_status place_all(scree_scene *scene, const scree_generate_def *def, struct cells *cells, double (*at)[3],
                               uint64_t *state) {
-    double volume = 0.0, room = 1.0;
+    double volume = 0.0, room = 1.0, all = 0.0;
     for (int axis = 0; axis < 3; axis++) room *= def->max[axis] - def->min[axis];
+    for (int k = 0; k < def->count; k++) all += volume_of(cells->radius[k]);
+    if (!(all < room))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "count",
+                            "\"%s\": %d spheres would fill %.3g of the box; put at random, spheres of one size fill "
+                            "little more than 0.3",
+                            def->name, def->count, all / room);
     for (int k = 0; k < def->count; k++) {
         double r = cells->radius[k];
         int tries = 0;
         do {
             for (int axis = 0; axis < 3; axis++)
                 at[k][axis] = draw_between(state, def->min[axis] + r, def->max[axis] - r);
-        } while (overlaps(cells, at[k], r) && ++tries < TRIES);
+        } while (is_taken(cells, &scene->domain, at[k], r) && ++tries < TRIES);
         if (tries == TRIES)
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, "count",
                                 "\"%s\": only %d of %d spheres found room, which fill %.3g of the box; put at random, "
                                 "spheres of one size fill little more than 0.3: take a larger box, or a lattice",
                                 def->name, k, def->count, volume / room);
-        volume += 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
+        volume += volume_of(r);
         enter(cells, k);
     }
     return SCREE_OK;
+}
+
+/* Whether a sphere, or one of its images, reaches into the box along an axis. */
+static int reaches_in(const scree_domain_def *domain, const scree_generate_def *def, int axis, double x, double r) {
+    double period = domain->periodic[axis] ? domain->max[axis] - domain->min[axis] : 0.0;
+    for (int image = -1; image <= 1; image++)
+        if (x + image * period + r > def->min[axis] && x + image * period - r < def->max[axis]) return 1;
+    return 0;
 }
 
 /* Spheres that are there already and reach into the box, behind those of this definition; returns how many. */
@@ -243,7 +278,7 @@ static int find_others(const scree_scene *scene, const scree_generate_def *def, 
         scree_body_def body = scree_scene_definition(scene, k);
         double r = body.shape.radius, *x = body.position;
         int inside = body.shape.kind == SCREE_SPHERE;
-        for (int axis = 0; axis < 3; axis++) inside &= x[axis] + r > def->min[axis] && x[axis] - r < def->max[axis];
+        for (int axis = 0; axis < 3; axis++) inside &= reaches_in(&scene->domain, def, axis, x[axis], r);
         if (!inside) continue;
         memcpy(at[def->count + found], x, sizeof *at);
         radius[def->count + found++] = r;

@@ -21,13 +21,7 @@ void scree_pass_on(struct scree_reader *r, scree_status status, const struct scr
 
 /* ---- names of materials, motions, bodies ---- */
 
-int scree_find_named(struct scree_reader *r, const struct scree_toml *node, const char *what, scree_finder *find) {
-    if (node->type != SCREE_TOML_STRING) {
-        scree_complain(r, node, "the name of a %s must be a string, not %s", what, scree_toml_type_name(node->type));
-        return 0;
-    }
-    int index = find(into(r)->scene, node->string);
-    if (index >= 0) return index;
+struct scree_hint scree_hint_of(const struct scree_reader *r, const char *what, const char *wrong) {
     enum { MOST = 64 };
     const char *names[MOST + 1] = {0};
     int count = 0;
@@ -36,7 +30,18 @@ int scree_find_named(struct scree_reader *r, const struct scree_toml *node, cons
         const struct scree_toml *name = scree_toml_get(s, "name");
         if (name && name->type == SCREE_TOML_STRING) names[count++] = name->string;
     }
-    scree_complain(r, node, "there is no %s called \"%s\"%s", what, node->string, scree_hint(node->string, names).text);
+    return scree_hint(wrong, names);
+}
+
+int scree_find_named(struct scree_reader *r, const struct scree_toml *node, const char *what, scree_finder *find) {
+    if (node->type != SCREE_TOML_STRING) {
+        scree_complain(r, node, "the name of a %s must be a string, not %s", what, scree_toml_type_name(node->type));
+        return 0;
+    }
+    int index = find(into(r)->scene, node->string);
+    if (index >= 0) return index;
+    scree_complain(r, node, "there is no %s called \"%s\"%s", what, node->string,
+                   scree_hint_of(r, what, node->string).text);
     return 0;
 }
 

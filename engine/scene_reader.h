@@ -21,6 +21,9 @@ typedef int scree_finder(const scree_scene *scene, const char *name);
 /* The index of the thing that a string names, or 0 with a complaint that gives the nearest of its kind ([[what]]). */
 int scree_find_named(struct scree_reader *r, const struct scree_toml *node, const char *what, scree_finder *find);
 
+/* Which [[what]] of the file a wrong name may have meant. */
+struct scree_hint scree_hint_of(const struct scree_reader *r, const char *what, const char *wrong);
+
 /* joint = "free", "fixed", or { x = …, y = …, z = …, turn = …, others = "fixed" } */
 void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scree_joint *joint);
 

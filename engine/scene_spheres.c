@@ -91,7 +91,8 @@ static int material_of(struct scree_reader *r, const struct bed *bed, size_t row
     if (row > 0 && strcmp(word[row], word[row - 1]) == 0) return bed->material[row - 1];
     int found = scree_scene_find_material(scene_of(r), word[row]);
     if (found < 0)
-        scree_complain_in_table(r, bed->path, bed->table.line[row], 1, "there is no material called \"%s\"", word[row]);
+        scree_complain_in_table(r, bed->path, bed->table.line[row], 1, "there is no material called \"%s\"%s",
+                                word[row], scree_hint_of(r, "material", word[row]).text);
     return found;
 }
 

@@ -108,7 +108,7 @@ typedef enum scree_generator {
      * wider than their cells, and then reach out of the box. */
     SCREE_LATTICE = 0,
     SCREE_RANDOM, /* anywhere in the box, one after the other, the largest first, so that none overlap: neither each
-                     other nor spheres that the scene has already */
+                     other nor spheres that the scene has already, nor images of them in a domain that it has */
 } scree_generator;
 
 typedef enum scree_radii {

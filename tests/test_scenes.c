@@ -104,6 +104,17 @@ static void test_random(void) {
           least_gap(scene, 0.0, 0.05) >= -1e-9); /* rounding over the speck's radius */
     scree_scene_destroy(scene);
 
+    /* Across the borders of a periodic box neither: with one that stands in a corner, and spheres at all borders. */
+    scene = scene_from(HEAD "[domain]\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.04]\nperiodic = [\"x\", \"y\"]\n"
+                            "[[body]]\nname = \"corner\"\nshape = { sphere = 0.004 }\nmaterial = \"glass\"\n"
+                            "position = [0.001, 0.019, 0.01]\njoint = \"fixed\"\n"
+                            "[[generate]]\nname = \"grain\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.001\n"
+                            "min = [-0.001, -0.001, 0]\nmax = [0.021, 0.021, 0.02]\ncount = 400\nseed = 3\n",
+                       NULL, 0, 1);
+    scree_energy energy;
+    CHECK(scree_scene_energy(scene, &energy) == SCREE_OK && energy.stored == 0.0);
+    scree_scene_destroy(scene);
+
     /* By mass: of the volume, the lower half of the radii has as much as the upper one. The number of large ones is 1
      * in 100, their share of the volume scatters by some 5 %. */
     scene = scene_from(HEAD RANDOM "distribution = \"mass\"\n", NULL, 0, 1);
@@ -227,7 +238,8 @@ static void test_bad_tables(void) {
         {"x,y,z,radius\n0,0,0,1\n", more, "has a column radius_m already"},
         {"x,y,z\n0,0,0\n", "material = \"glass\"\n", "need radius = …"},
         {"x,y,z\n0,0,0\n", "radius = 1\n", "need material = …"},
-        {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,1,glas\n", "", ".csv:3:1: there is no material called \"glas\""},
+        {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,1,glas\n", "",
+         ".csv:3:1: there is no material called \"glas\"; did you mean \"glass\"?"},
         {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,-1,glass\n", "", ".csv:3:1: body \"sphere 2\": "},
         {"name,x,y,z\na,0,0,0\n# more\na,1,0,0\n", more, ".csv:4:1: there are two of the body \"a\""},
         {"name,x,y,z\na,0,0,0\n", "radius = 0.1\nmaterial = \"glass\"\nname = \"b\"\n", "column of names already"},
@@ -266,6 +278,9 @@ static void test_bad_generators(void) {
         {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
               "max = [1, 1, 1]\ncount = 150\n",
          "of 150 spheres found room, which fill 0."},
+        {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
+              "max = [1, 1, 1]\ncount = 300\n",
+         "300 spheres would fill 1.26 of the box"},
         {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
               "max = [1, 1, 1]\n",
          "needs the count of its spheres"},
