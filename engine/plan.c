@@ -151,6 +151,23 @@ static scree_status check_turning(struct scree_scene *scene) {
     return SCREE_OK;
 }
 
+/* Far from the origin numbers are too coarse for places: overlaps are some thousandths of a half-width. */
+static scree_status check_distance(struct scree_scene *scene) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 0; k < bodies->count; k++) {
+        double half = scree_shape_half_width(&scree_kind_of(bodies, k)->shape);
+        for (int axis = 0; axis < 3; axis++) {
+            double far = fabs(bodies->position[k][axis]), coarse = nextafter(far, HUGE_VAL) - far;
+            if (coarse <= 1e-6 * half) continue;
+            return scree_report(&scene->trouble, SCREE_BAD_INPUT, "position",
+                                "body \"%s\" is so far from the origin (%.3g m along %c) that places there are %.2g m "
+                                "apart: too coarse for its half-width of %.3g m; move the scene nearer",
+                                scree_name_of(scene, bodies->number[k]).text, far, 'x' + axis, coarse, half);
+        }
+    }
+    return SCREE_OK;
+}
+
 /* Bodies start in the domain; only what has no end along a periodic axis, or fits into it twice, may be there. */
 static scree_status check_domain(struct scree_scene *scene) {
     const struct scree_bodies *bodies = &scene->bodies;
@@ -299,6 +316,7 @@ static scree_status bake(struct scree_scene *scene) {
     if (status) return status;
     count_bodies(scene);
     status = check_domain(scene);
+    if (!status) status = check_distance(scene);
     if (!status) status = plan_pairs_and_step(scene);
     int impulses = scene->time.integrator == SCREE_PAIR_IMPULSE; /* the plan may have chosen it */
     if (!status && impulses) status = keep_impulses(scene);

@@ -170,9 +170,10 @@ SCREE_API int scree_scene_find_motion(const scree_scene *scene, const char *name
 SCREE_API int scree_scene_find_body(const scree_scene *scene, const char *name);
 
 /* Check the whole scene and make the plan; after it definitions can't change. SCREE_BAD_INPUT: bodies whose materials
- * could meet without a contact between them, bodies overlapping by more than half a half-width, a step beyond the
- * stability limit of the stiffest contact, an accuracy that steps can't reach. A scene whose baking has failed can only
- * be destroyed. */
+ * could meet without a contact between them, bodies overlapping by more than half a half-width or so far from the
+ * origin that places are too coarse there (a millionth of a half-width), a step beyond the stability limit of the
+ * stiffest contact, an accuracy that steps can't reach; SCREE_NO_MEMORY. A scene whose baking has failed can only be
+ * destroyed. */
 SCREE_API scree_status scree_scene_bake(scree_scene *scene);
 
 /* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */

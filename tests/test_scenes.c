@@ -281,6 +281,8 @@ static void test_bad_generators(void) {
         {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
               "max = [1, 1, 1]\ncount = 300\n",
          "300 spheres would fill 1.26 of the box"},
+        {HEAD "[[body]]\nname = \"far\"\nmaterial = \"glass\"\nshape = { sphere = 0.001 }\nposition = [0, 1e8, 0]\n",
+         "\"far\" is so far from the origin (1e+08 m along y)"},
         {HEAD "[[generate]]\nname = \"g\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.1\nmin = [0, 0, 0]\n"
               "max = [1, 1, 1]\n",
          "needs the count of its spheres"},
