@@ -137,6 +137,7 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy);
 /* Effective radius of two bodies for their laws, whichever of them is the ball: the rounder one of two boxes; m. */
 double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j);
 
+/* Whether all three numbers are finite. */
 int scree_is_finite(const double a[3]);
 
 /* Report that the run went wrong in body `body` (and `other`, -1: none) at `time`; SCREE_FAILED. */
