@@ -402,7 +402,7 @@ static void test_refused_motions(void) {
     scree_scene *scene = scree_scene_create();
     int refusals = 0;
     for (int k = 0; k < 40; k++) {
-        char name[16];
+        char name[24];
         snprintf(name, sizeof name, "motion %d", k);
         scree_motion_def def = {.name = name, .kind = SCREE_MOTION_VELOCITY, .velocity = k};
         scree_status status = SCREE_NO_MEMORY;
@@ -415,7 +415,7 @@ static void test_refused_motions(void) {
         CHECK(status == SCREE_OK);
     }
     for (int k = 0; k < 40; k++) {
-        char name[16];
+        char name[24];
         snprintf(name, sizeof name, "motion %d", k);
         CHECK(scree_scene_find_motion(scene, name) == k);
     }
