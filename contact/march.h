@@ -18,6 +18,7 @@ struct smooth_loops {
                  struct stride *to);
 };
 
+/* Flags in such a loop are numbers, 0 or 1: negations of ints beside doubles keep gcc from making vectors. */
 #define SMOOTH_LOOP(...)                                                                                               \
     _Pragma("omp simd")                                                                                                \
     for (int k = 0; k < padded(count); k++) __VA_ARGS__
@@ -69,23 +70,24 @@ enum { MOST_EVENTS = 8, TRIES = 40 };
 static SCREE_INLINE void begin_lane(int k, double step, double flight, int rubs, struct motion *m, struct course *c) {
     double d = c->d[k], u = c->u[k], a = m->closing[k], square = u * u - 2.0 * a * d;
     double root = u + sqrt(square > 0.0 ? square : 0.0), start = -2.0 * d / (root + SCREE_NO_SPEED);
-    int touches = d > 0.0, begins = !touches & (flight > 0.0), thrown_back = !(root > 0.0) | (u + step * a <= 0.0);
+    double touches = d > 0.0 ? 1.0 : 0.0, begins = flight > 0.0 ? 1.0 - touches : 0.0;
+    double thrown_back = ((root > 0.0) & (u + step * a > 0.0)) ? 0.0 : begins;
     /* What overlaps still after its end flies on, unless it may be pushed together again. */
     double pushed = a > 0.0 ? m->pushes[0][k] + 2.0 * a * m->pushes[1][k] : m->pushes[0][k];
-    int ended = c->odd[k] > 0.0, flies = ended & (u + step * a < 0.0) & (u < 0.0) & (pushed < 0.0);
-    double odd = ((begins & thrown_back) | (ended & !flies)) ? 1.0 : 0.0;
+    double ended = c->odd[k], flies = ((u + step * a < 0.0) & (u < 0.0) & (pushed < 0.0)) ? ended : 0.0;
+    double odd = thrown_back + (ended - flies), acts = (touches + begins) - (ended + odd);
     start = start < step ? start : step;
-    start = touches ? 0.0 : start;
+    start = touches > 0.0 ? 0.0 : start;
     c->odd[k] = odd;
-    c->rest[k] = ((touches | begins) & !ended & !(odd > 0.0)) ? step - start : 0.0;
-    c->d[k] = begins ? 0.0 : d;
-    c->u[k] = begins ? u + start * a : u;
+    c->rest[k] = acts > 0.0 ? step - start : 0.0;
+    c->d[k] = begins > 0.0 ? 0.0 : d;
+    c->u[k] = begins > 0.0 ? u + start * a : u;
     if (!rubs) return;
-    int holds = touches & !flies;
+    double holds = touches - flies;
     struct vec none = {0.0, 0.0, 0.0}, v = get(c->v, k), flown = vec_axpy(v, start, get(m->aside, k));
-    put(c->v, k, begins ? flown : v);
-    put(c->s, k, holds ? get(c->s, k) : none);
-    c->slides[k] = holds ? c->slides[k] : 0.0;
+    put(c->v, k, begins > 0.0 ? flown : v);
+    put(c->s, k, holds > 0.0 ? get(c->s, k) : none);
+    c->slides[k] = holds > 0.0 ? c->slides[k] : 0.0;
 }
 
 static void begin_lanes(int count, double step, int rubs, const double *flight, struct march *x) {
@@ -118,25 +120,25 @@ static void stride_out(int count, struct march *x) {
 static int look(const struct smooth_pass *pass, int count, const struct march *x, double *event) {
     const struct course *c = &x->c;
     const struct stride *to = &x->to;
-    int turning = pass->turns, rubs = pass->rubs, control = rubs && !pass->substeps, any = 0;
-    _Pragma("omp simd reduction(| : any)")
+    double by_control = pass->rubs && !pass->substeps ? 1.0 : 0.0, by_turn = pass->turns ? 1.0 : 0.0;
+    double rubs = pass->rubs ? 1.0 : 0.0, most = 0.0;
+    _Pragma("omp simd reduction(max : most)")
     for (int k = 0; k < padded(count); k++) {
-        double time = to->time[k];
-        int coarse = control & (to->coarse[k] > 0.0) & (x->m.grid[k] > 0.75 * pass->step);
-        double before = to->turns[0][k], after = to->turns[1][k];
-        int moves = rubs | (c->u[k] * time > 1e-12 * c->d[k]); /* rest isn't a turn */
-        int turns = turning & (after < 0.0) & (before > -1e-10 * after) & moves;
-        int slips = rubs & (to->holds[1][k] < 0.0), ends = to->lasts[1][k] < 0.0;
-        int odd = (ends & !turns & !slips & !(to->lasts[0][k] > 0.0)) | !(c->d[k] >= 0.0);
-        double what = ends ? ENDS : NOTHING;
-        what = turns ? TURNS : what;
-        what = slips ? SLIPS : what;
-        what = coarse ? COARSE : what;
-        what = odd ? ODD : what;
-        event[k] = time > 0.0 ? what : NOTHING;
-        any |= event[k] > 0.0;
+        double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k];
+        double coarse = x->m.grid[k] > 0.75 * pass->step ? by_control * to->coarse[k] : 0.0;
+        double moves = c->u[k] * time > 1e-12 * c->d[k] ? 1.0 : rubs; /* rest isn't a turn */
+        double turns = ((after < 0.0) & (before > -1e-10 * after)) ? by_turn * moves : 0.0;
+        double what = to->lasts[0][k] > 0.0 ? ENDS : ODD;
+        what = to->lasts[1][k] < 0.0 ? what : NOTHING;
+        what = turns > 0.0 ? TURNS : what;
+        what = ((rubs > 0.0) & (to->holds[1][k] < 0.0)) ? SLIPS : what;
+        what = ((coarse > 0.0) & (what < ODD)) ? COARSE : what;
+        what = c->d[k] >= 0.0 ? what : ODD;
+        what = time > 0.0 ? what : NOTHING;
+        event[k] = what;
+        most = what > most ? what : most;
     }
-    return any;
+    return most > 0.0;
 }
 
 /* Take the step in lanes in which nothing has happened. */
