@@ -144,9 +144,12 @@ static int bounds_meet(const struct scree_contacts *contacts, const struct scree
         return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left;
     }
     double reach = a->bound + b->bound + left;
-    struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
-    if (bodies->periodic) apart = scree_nearest_image(bodies, apart);
-    return vec_norm2(apart) <= reach * reach;
+    double apart[3];
+    for (int axis = 0; axis < 3; axis++) {
+        apart[axis] = a->x[axis] - b->x[axis];
+        apart[axis] -= bodies->period[axis] * scree_periods_in(bodies, apart[axis], axis);
+    }
+    return vec_norm2(vec_from(apart)) <= reach * reach;
 }
 
 /* What looks for partners, and where it puts what it finds; bodies in the cells of the one that looks are weighed many

@@ -463,12 +463,11 @@ static inline int scree_periods_of(int code, int axis) {
     return ((code >> (10 * (2 - axis))) & 1023) - SCREE_MOST_PERIODS - 1;
 }
 
-/* A way between two bodies, less whole periods: the shortest. */
-static inline struct vec scree_nearest_image(const struct scree_bodies *bodies, struct vec apart) {
-    double d[3] = {apart.x, apart.y, apart.z};
-    for (int axis = 0; axis < 3; axis++)
-        if (bodies->period[axis] > 0.0) d[axis] -= bodies->period[axis] * floor(d[axis] / bodies->period[axis] + 0.5);
-    return vec(d[0], d[1], d[2]);
+/* The whole periods in a way along an axis that lead nearest to its end; 0 where it doesn't repeat. Most ways are
+ * short, and need no division. */
+static inline double scree_periods_in(const struct scree_bodies *bodies, double way, int axis) {
+    double period = bodies->period[axis];
+    return period > 0.0 && fabs(way) > 0.4 * period ? floor(way / period + 0.5) : 0.0;
 }
 
 /* Put every free body that has left the periodic box back into it, and make the lists anew; how many have is in

@@ -187,8 +187,8 @@ static void take_images(struct scree_contacts *contacts, const struct scree_bodi
     double reach = a->radius + b->radius + scree_left_of(contacts, bodies, ball, host);
     int first[3], last[3], periods[3];
     for (int axis = 0; axis < 3; axis++) {
-        double period = bodies->period[axis], off = period > 0.0 ? (a->x[axis] - b->x[axis]) / period : 0.0;
-        int nearest = (int)fmax(fmin(floor(off + 0.5), SCREE_MOST_PERIODS - 1), 1 - SCREE_MOST_PERIODS);
+        double period = bodies->period[axis], most = SCREE_MOST_PERIODS - 1;
+        int nearest = (int)fmax(fmin(scree_periods_in(bodies, a->x[axis] - b->x[axis], axis), most), -most);
         int more = period > 0.0 && period < 2.0 * reach;
         first[axis] = nearest - more;
         last[axis] = nearest + more;

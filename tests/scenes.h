@@ -72,6 +72,16 @@ static inline void check_golden(const char *name_of_file, const char *const *cha
     CHECK(rows == expected_rows);
 }
 
+/* Between two places, or the nearest images of them. */
+static inline double distance_between(const struct scree_bodies *bodies, const double a[3], const double b[3]) {
+    double apart[3];
+    for (int axis = 0; axis < 3; axis++) {
+        double period = bodies->period[axis];
+        apart[axis] = period > 0.0 ? remainder(a[axis] - b[axis], period) : a[axis] - b[axis];
+    }
+    return vec_norm(vec_from(apart));
+}
+
 /* 1500 spheres and some boxes falling into a heap: enough for teams of threads. To be freed. */
 static inline char *heap_text(void) {
     enum { COUNT = 1500 };

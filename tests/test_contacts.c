@@ -279,7 +279,7 @@ static void check_candidates(double ratio, double spread, double height, int cou
     for (int i = 0; i <= count; i++)
         for (int j = i + 1; j <= count; j++) {
             const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
-            double far = vec_norm(scree_nearest_image(bodies, vec_sub(vec_from(a->x), vec_from(b->x))));
+            double far = distance_between(bodies, a->x, b->x);
             double left = contacts->skin - (a->path + b->path);
             if (i == 0 || far > a->bound + b->bound + left) continue; /* the floor is far below */
             wrong += found >= contacts->end[i] || contacts->partner[found] != j;

@@ -588,9 +588,8 @@ static double brute_nearest(const scree_scene *scene, int *count) {
     for (int i = 0; i < bodies->count; i++)
         for (int j = 0; j < i; j++) {
             if (bodies->class[i] == SCREE_CLASS_FIXED && bodies->class[j] == SCREE_CLASS_FIXED) continue;
-            struct vec apart = vec_sub(vec_from(bodies->position[i]), vec_from(bodies->position[j]));
-            double gap =
-                vec_norm(scree_nearest_image(bodies, apart)) - bodies->record[i].radius - bodies->record[j].radius;
+            double gap = distance_between(bodies, bodies->position[i], bodies->position[j]) - bodies->record[i].radius -
+                         bodies->record[j].radius;
             sum += gap < 0.0 ? -gap : 0.0;
             *count += gap < 0.0;
         }
@@ -689,9 +688,8 @@ static void test_periodic_many(void) {
         const struct scree_bodies *bodies = &scene->bodies;
         for (int i = 0; i < bodies->count; i++)
             for (int j = 0; j < i; j++) {
-                struct vec apart = vec_sub(vec_from(bodies->position[i]), vec_from(bodies->position[j]));
                 double reach = bodies->record[i].radius + bodies->record[j].radius;
-                expected += vec_norm(scree_nearest_image(bodies, apart)) < reach;
+                expected += distance_between(bodies, bodies->position[i], bodies->position[j]) < reach;
             }
         CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_OK && count == expected && count > 300);
         scree_scene_destroy(scene);
