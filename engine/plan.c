@@ -131,13 +131,14 @@ static scree_status check_sharp(struct scree_scene *scene, const struct scree_sp
 }
 
 /* Bodies that can only turn have no mass that a law could use, as restitution does. */
-static scree_status check_turning(struct scree_scene *scene) {
+static scree_status check_turning(struct scree_scene *scene, const struct scree_species *species) {
     const struct scree_bodies *bodies = &scene->bodies;
-    for (int i = 0; i < bodies->count; i++) {
-        if (!scree_joint_can_move(&scree_kind_of(bodies, i)->joint) || bodies->record[i].inverse_mass > 0.0) continue;
-        for (int j = 0; j < bodies->count; j++) {
+    for (int s = 0; s < scree_species_count(scene); s++) {
+        for (int t = 0; t < scree_species_count(scene); t++) {
+            int i = species[s].held[0], j = species[t].held[s == t];
+            if (i < 0 || j < 0 || !scree_joint_can_move(&scree_kind_of(bodies, i)->joint)) continue;
             const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, bodies, i, j, NULL);
-            if (j == i || bodies->record[j].inverse_mass > 0.0 || !rule) continue;
+            if (!rule) continue;
             const struct scree_normal_law *law = scree_normal_laws[rule->normal];
             struct scree_pair_constants light = law->pair(&rule->normal_constants, 1.0, 1.0);
             struct scree_pair_constants heavy = law->pair(&rule->normal_constants, 2.0, 1.0);
@@ -241,7 +242,7 @@ static scree_status plan_pairs_and_step(struct scree_scene *scene) {
     if (!species) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for the plan");
     scree_status status = check_pairs(scene, species);
     if (!status) status = check_sharp(scene, species);
-    if (!status) status = check_turning(scene);
+    if (!status) status = check_turning(scene, species);
     if (!status) status = scree_choose_step(scene, species);
     free(species);
     return status;

@@ -16,6 +16,7 @@ struct scree_species {
     int pick[SCREE_MERITS][2];              /* the first and the second by each merit; -1 if there is none */
     int standing, stands[2 * SCREE_MERITS]; /* the same without repetition: they stand for all */
     int sharp;                              /* a box without rounding; -1: none */
+    int held[2];                            /* two whose centres no force moves; -1: none */
 };
 
 int scree_species_count(const struct scree_scene *scene);

@@ -90,9 +90,11 @@ static int material_of(struct scree_reader *r, const struct bed *bed, size_t row
     char **word = bed->table.word[bed->at[MATERIAL]];
     if (row > 0 && strcmp(word[row], word[row - 1]) == 0) return bed->material[row - 1];
     int found = scree_scene_find_material(scene_of(r), word[row]);
+    const struct scree_table_row *at = &bed->table.row[row];
     if (found < 0)
-        scree_complain_in_table(r, bed->path, bed->table.line[row], 1, "there is no material called \"%s\"%s",
-                                word[row], scree_hint_of(r, "material", word[row]).text);
+        scree_complain_in_table(r, bed->path, at->line, (int)(word[row] - at->begins) + 1,
+                                "there is no material called \"%s\"%s", word[row],
+                                scree_hint_of(r, "material", word[row]).text);
     return found;
 }
 
@@ -121,7 +123,7 @@ static void add_runs(struct scree_reader *r, const struct bed *bed, const scree_
         scree_status status = scree_scene_add_spheres(scene_of(r), &def, NULL);
         const scree_trouble *cause = scree_scene_trouble(scene_of(r));
         if (status == SCREE_BAD_INPUT && cause->body >= 0)
-            scree_complain_in_table(r, bed->path, bed->table.line[first + cause->body], 1, "%s", cause->text);
+            scree_complain_in_table(r, bed->path, bed->table.row[first + cause->body].line, 1, "%s", cause->text);
         scree_pass_on(r, status, table);
     }
 }

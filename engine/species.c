@@ -63,7 +63,7 @@ struct scree_species *scree_sort_into_species(const struct scree_scene *scene) {
     if (!species) return NULL;
     for (int s = 0; s < scree_species_count(scene); s++) {
         memset(species[s].pick, -1, sizeof species[s].pick);
-        species[s].sharp = -1;
+        species[s].sharp = species[s].held[0] = species[s].held[1] = -1;
     }
     for (int k = 0; k < bodies->count; k++) {
         int index = scree_kind_of(bodies, k)->material * SCREE_SHAPE_KINDS + (int)scree_kind_of(bodies, k)->shape.kind;
@@ -71,6 +71,7 @@ struct scree_species *scree_sort_into_species(const struct scree_scene *scene) {
         for (int merit = 0; merit < SCREE_MERITS; merit++) enter(bodies, k, (enum scree_merit)merit, s->pick[merit]);
         s->count++;
         if (scree_kind_of(bodies, k)->shape.kind == SCREE_BOX && bodies->record[k].radius == 0.0) s->sharp = k;
+        if (!(bodies->record[k].inverse_mass > 0.0) && s->held[1] < 0) s->held[s->held[0] >= 0] = k;
     }
     for (int s = 0; s < scree_species_count(scene); s++) list_picks(&species[s]);
     return species;

@@ -127,7 +127,7 @@ static scree_status parse_row(struct reader *r, char *line) {
     if (k < table->columns)
         return complain(r, r->line_start, "wrong number of columns: %d, expected %d (%s …)", k, table->columns,
                         table->name[0]);
-    if (table->line) table->line[table->rows] = r->line;
+    if (table->row) table->row[table->rows] = (struct scree_table_row){r->line, r->line_start};
     table->rows++;
     return SCREE_OK;
 }
@@ -161,7 +161,7 @@ static int is_word(const struct reader *r, const char *name) {
 static scree_status make_columns(struct reader *r, size_t rows) {
     struct scree_table *table = r->table;
     int ok = 1;
-    if (r->words) ok = (table->line = malloc(rows * sizeof *table->line)) != NULL;
+    if (r->words) ok = (table->row = malloc(rows * sizeof *table->row)) != NULL;
     for (int k = 0; k < table->columns; k++) {
         if (is_word(r, table->name[k]))
             ok = ok && (table->word[k] = malloc(rows * sizeof *table->word[k])) != NULL;
@@ -218,7 +218,7 @@ void scree_table_free(struct scree_table *table) {
         free(table->column[k]);
         free(table->word[k]);
     }
-    free(table->line);
+    free(table->row);
     *table = (struct scree_table){0};
 }
 

@@ -9,6 +9,12 @@
 
 enum { SCREE_TABLE_COLUMNS = 32 };
 
+/* Where a row stands: its line, and that line in the text. */
+struct scree_table_row {
+    int line;
+    const char *begins;
+};
+
 /* Columns by name. Owns its memory. */
 struct scree_table {
     int columns;
@@ -18,7 +24,7 @@ struct scree_table {
     char *name[SCREE_TABLE_COLUMNS];     /* as in the header, without blanks and quotes */
     double *column[SCREE_TABLE_COLUMNS]; /* rows entries; NULL for words */
     char **word[SCREE_TABLE_COLUMNS];    /* rows entries, which point into the text; NULL for numbers */
-    int *line;                           /* of each row; NULL unless there may be words */
+    struct scree_table_row *row;         /* NULL unless there may be words */
 };
 
 /* Parse `size` bytes of `text` (followed by a NUL; changed). `rising` names a column whose numbers must increase, NULL:

@@ -239,7 +239,7 @@ static void test_bad_tables(void) {
         {"x,y,z\n0,0,0\n", "material = \"glass\"\n", "need radius = …"},
         {"x,y,z\n0,0,0\n", "radius = 1\n", "need material = …"},
         {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,1,glas\n", "",
-         ".csv:3:1: there is no material called \"glas\"; did you mean \"glass\"?"},
+         ".csv:3:9: there is no material called \"glas\"; did you mean \"glass\"?"},
         {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,-1,glass\n", "", ".csv:3:1: body \"sphere 2\": "},
         {"name,x,y,z\na,0,0,0\n# more\na,1,0,0\n", more, ".csv:4:1: there are two of the body \"a\""},
         {"name,x,y,z\na,0,0,0\n", "radius = 0.1\nmaterial = \"glass\"\nname = \"b\"\n", "column of names already"},

@@ -190,8 +190,8 @@ static void take_rows(struct scree_reader *r, const struct record *record, struc
         if (record->body >= 0 && strcmp(table->word[record->body][k], e->body) != 0) continue;
         double time = table->column[record->time][k];
         if (e->rows > 0 && !(time > e->time[e->rows - 1]))
-            scree_complain_in_table(r, record->path, table->line[k], 1, "times must rise: %.17g s after %.17g s", time,
-                                    e->time[e->rows - 1]);
+            scree_complain_in_table(r, record->path, table->row[k].line, 1, "times must rise: %.17g s after %.17g s",
+                                    time, e->time[e->rows - 1]);
         e->time[e->rows] = time;
         for (int c = 0; c < e->columns; c++) e->reading[c][e->rows] = table->column[record->at[e->quantity[c]]][k];
         e->rows++;
