@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define TIME "[time]\nend = 1e4\nforce = true\n"
 #define WALL                                                                                                           \

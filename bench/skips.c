@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const char help[] =
     "usage: scree-bench skips [--repeats N]\n"

@@ -19,28 +19,37 @@ const struct scree_friction_law *const scree_friction_laws[] = {SCREE_FRICTION_L
 const struct scree_rolling_law *const scree_rolling_laws[] = {SCREE_ROLLING_LAWS(ENTRY) NULL};
 #undef ENTRY
 
+/* What is the same of laws of any kind: their texts, in the order of the lists above. */
+enum kind { NORMAL, FRICTION, ROLLING };
+#define ENTRY(word) &scree_normal_##word.text,
+static const struct scree_law_text *const normal_texts[] = {SCREE_NORMAL_LAWS(ENTRY) NULL};
+#undef ENTRY
+#define ENTRY(word) &scree_friction_##word.text,
+static const struct scree_law_text *const friction_texts[] = {SCREE_FRICTION_LAWS(ENTRY) NULL};
+#undef ENTRY
+#define ENTRY(word) &scree_rolling_##word.text,
+static const struct scree_law_text *const rolling_texts[] = {SCREE_ROLLING_LAWS(ENTRY) NULL};
+#undef ENTRY
+static const struct scree_law_text *const *const texts[] = {normal_texts, friction_texts, rolling_texts};
+static const char *const kinds[] = {"normal", "friction", "rolling"};
+
+static int find_law(enum kind kind, const char *name) {
+    for (int k = 0; texts[kind][k]; k++)
+        if (strcmp(texts[kind][k]->name, name) == 0) return k;
+    return -1;
+}
+
+int scree_find_normal_law(const char *name) { return find_law(NORMAL, name); }
+int scree_find_friction_law(const char *name) { return find_law(FRICTION, name); }
+int scree_find_rolling_law(const char *name) { return find_law(ROLLING, name); }
+
 enum { MOST_LAWS = 64 };
+_Static_assert(sizeof normal_texts / sizeof *normal_texts <= MOST_LAWS, "more laws than hints reckon with");
 
-int scree_find_normal_law(const char *name) {
-    for (int k = 0; scree_normal_laws[k]; k++)
-        if (strcmp(scree_normal_laws[k]->text.name, name) == 0) return k;
-    return -1;
-}
-
-int scree_find_friction_law(const char *name) {
-    for (int k = 0; scree_friction_laws[k]; k++)
-        if (strcmp(scree_friction_laws[k]->text.name, name) == 0) return k;
-    return -1;
-}
-
-int scree_find_rolling_law(const char *name) {
-    for (int k = 0; scree_rolling_laws[k]; k++)
-        if (strcmp(scree_rolling_laws[k]->text.name, name) == 0) return k;
-    return -1;
-}
-
-static scree_status unknown_law(const char *name, const char *kind, const char *const *names, scree_trouble *trouble) {
-    return scree_report(trouble, SCREE_BAD_INPUT, "law", "there is no %s law called \"%s\"%s", kind, name,
+static scree_status unknown_law(enum kind kind, const char *name, scree_trouble *trouble) {
+    const char *names[MOST_LAWS] = {0};
+    for (int k = 0; texts[kind][k]; k++) names[k] = texts[kind][k]->name;
+    return scree_report(trouble, SCREE_BAD_INPUT, "law", "there is no %s law called \"%s\"%s", kinds[kind], name,
                         scree_hint(name, names).text);
 }
 
@@ -241,48 +250,35 @@ void scree_free_rule(struct scree_rule *rule) {
     rule->normal_constants.table = NULL;
 }
 
+/* Which law it is, and the values of its parameters. */
+static scree_status look_up(enum kind kind, const scree_law_choice *choice, const struct scree_elastic *elastic,
+                            double share, int *law, struct scree_values *values, scree_trouble *trouble) {
+    *law = find_law(kind, choice->law);
+    if (*law < 0) return unknown_law(kind, choice->law, trouble);
+    return read_values(texts[kind][*law], choice, elastic, share, values, trouble);
+}
+
 static scree_status bake_normal(const scree_law_choice *choice, const struct scree_elastic *elastic,
                                 struct scree_rule *rule, scree_trouble *trouble) {
+    struct scree_values values;
     if (!choice->law || !choice->law[0])
         return scree_report(trouble, SCREE_BAD_INPUT, NULL, "a contact needs a normal law, or none = true");
-    rule->normal = scree_find_normal_law(choice->law);
-    if (rule->normal < 0) {
-        const char *names[MOST_LAWS] = {0};
-        for (int k = 0; scree_normal_laws[k]; k++) names[k] = scree_normal_laws[k]->text.name;
-        return unknown_law(choice->law, "normal", names, trouble);
-    }
-    struct scree_values values;
-    const struct scree_normal_law *law = scree_normal_laws[rule->normal];
-    scree_status status = read_values(&law->text, choice, elastic, rule->share, &values, trouble);
-    return status ? status : law->bake(&values, &rule->normal_constants, trouble);
+    scree_status status = look_up(NORMAL, choice, elastic, rule->share, &rule->normal, &values, trouble);
+    return status ? status : scree_normal_laws[rule->normal]->bake(&values, &rule->normal_constants, trouble);
 }
 
 static scree_status bake_friction(const scree_law_choice *choice, const struct scree_elastic *elastic,
                                   struct scree_rule *rule, scree_trouble *trouble) {
-    rule->friction = scree_find_friction_law(choice->law);
-    if (rule->friction < 0) {
-        const char *names[MOST_LAWS] = {0};
-        for (int k = 0; scree_friction_laws[k]; k++) names[k] = scree_friction_laws[k]->text.name;
-        return unknown_law(choice->law, "friction", names, trouble);
-    }
     struct scree_values values;
-    const struct scree_friction_law *law = scree_friction_laws[rule->friction];
-    scree_status status = read_values(&law->text, choice, elastic, rule->share, &values, trouble);
-    return status ? status : law->bake(&values, &rule->friction_constants, trouble);
+    scree_status status = look_up(FRICTION, choice, elastic, rule->share, &rule->friction, &values, trouble);
+    return status ? status : scree_friction_laws[rule->friction]->bake(&values, &rule->friction_constants, trouble);
 }
 
 static scree_status bake_rolling(const scree_law_choice *choice, const struct scree_elastic *elastic,
                                  struct scree_rule *rule, scree_trouble *trouble) {
-    rule->rolling = scree_find_rolling_law(choice->law);
-    if (rule->rolling < 0) {
-        const char *names[MOST_LAWS] = {0};
-        for (int k = 0; scree_rolling_laws[k]; k++) names[k] = scree_rolling_laws[k]->text.name;
-        return unknown_law(choice->law, "rolling", names, trouble);
-    }
     struct scree_values values;
-    const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
-    scree_status status = read_values(&law->text, choice, elastic, rule->share, &values, trouble);
-    return status ? status : law->bake(&values, &rule->rolling_constants, trouble);
+    scree_status status = look_up(ROLLING, choice, elastic, rule->share, &rule->rolling, &values, trouble);
+    return status ? status : scree_rolling_laws[rule->rolling]->bake(&values, &rule->rolling_constants, trouble);
 }
 
 static int is_chosen(const scree_law_choice *choice) { return choice->law && choice->law[0]; }

@@ -3,7 +3,6 @@
 #include "contact/loop.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static scree_status make_batches(struct scree_contacts *contacts, const struct scree_rule *rules) {
     int capacity = contacts->rules * SCREE_GEOMETRIES;

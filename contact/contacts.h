@@ -24,6 +24,8 @@ enum {
     SCREE_PADDING = 8, /* passes run over whole vectors: what columns hold is padded to a multiple of this */
 };
 
+static inline int scree_padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
+
 /* Columns of pair constants: those of the normal law, then two of the friction law, then the lever of the rolling law,
  * m. */
 enum {

@@ -2,7 +2,6 @@
 #include "contact/encounter.h"
 
 #include <stddef.h>
-#include <string.h>
 
 /* What is integrated. */
 enum { OVERLAP, IMPULSE, STRETCH = IMPULSE + 3, WORK_NORMAL = STRETCH + 3, WORK_TANGENTIAL, SIZE };

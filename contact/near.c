@@ -18,8 +18,6 @@ struct scree_scratch {
     int capacity;
 };
 
-static int padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
-
 int scree_enlarge(void *array, int before, int after, size_t size) {
     void **place = array, *memory = scree_memory((size_t)after * size);
     if (!memory) return 0;
@@ -119,7 +117,7 @@ static void clear_padding(struct scree_batch *batch, const struct scree_part *se
     struct column column[MOST_COLUMNS];
     int columns = columns_of(batch, column), count = segment->count;
     for (int c = 0; c < columns && count; c++)
-        memset(place_in(column[c], segment->first + count), 0, (size_t)(padded(count) - count) * column[c].size);
+        memset(place_in(column[c], segment->first + count), 0, (size_t)(scree_padded(count) - count) * column[c].size);
 }
 
 /* Give the segments of a batch the capacities wanted (in `capacity`), in the order of segments. */
@@ -282,7 +280,7 @@ static SCREE_INLINE void move_column(unsigned char *own, size_t size, int count,
     size_t going_on = 0;
     for (int k = 0; k < count; k++)
         if (from[k] >= 0) memmove(own + going_on++ * size, own + (size_t)from[k] * size, size);
-    for (int k = padded(count) - 1; k >= 0; k--) {
+    for (int k = scree_padded(count) - 1; k >= 0; k--) {
         if (k < count && from[k] >= 0)
             memmove(own + (size_t)k * size, own + --going_on * size, size);
         else
@@ -306,7 +304,7 @@ static int renew(const struct scree_contacts *contacts, const struct scree_bodie
                  int s, struct scree_scratch *scratch) {
     struct scree_part *segment = &batch->segment[s];
     int count = pick(contacts, bodies, batch, s, scratch);
-    if (padded(count) > segment->capacity) return count;
+    if (scree_padded(count) > segment->capacity) return count;
     move_columns(batch, segment, count, scratch->from);
     for (int k = 0; k < count; k++) scree_put_contact(batch, segment->first + k, scratch->contact[k]);
     segment->count = count;
@@ -356,8 +354,8 @@ static scree_status renew_batch(struct scree_contacts *contacts, const struct sc
         for (int s = t; s < segments; s += threads)
             lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
     for (int s = 0; s < segments; s++) {
-        int least = padded(batch->segment[s].count), has = batch->segment[s].capacity;
-        capacity[s] = lacking[s] ? padded(lacking[s] + lacking[s] / 16 + SCREE_PADDING) : has;
+        int least = scree_padded(batch->segment[s].count), has = batch->segment[s].capacity;
+        capacity[s] = lacking[s] ? scree_padded(lacking[s] + lacking[s] / 16 + SCREE_PADDING) : has;
         if (capacity[s] < least) capacity[s] = least;
         lack |= lacking[s];
     }
@@ -430,7 +428,7 @@ void scree_contacts_forget(struct scree_contacts *contacts) {
 
 scree_status scree_contacts_reserve(struct scree_batch *batch, int count, int corners, scree_trouble *trouble) {
     batch->corners |= corners;
-    return enlarge_batch(batch, padded(count), trouble);
+    return enlarge_batch(batch, scree_padded(count), trouble);
 }
 
 void scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
@@ -633,8 +631,8 @@ static scree_status room_for_recoding(struct scree_contacts *contacts, const str
     struct own_and_image both = both_of(contacts, rule);
     int all = both.in_own + both.in_image + both.out + both.in;
     scree_status status = room_for_moving(contacts, both.out + both.in, trouble);
-    if (!status) status = enlarge_batch(both.own, padded(both.in_own + both.in), trouble);
-    if (!status) status = enlarge_batch(both.image, padded(both.in_image + both.out), trouble);
+    if (!status) status = enlarge_batch(both.own, scree_padded(both.in_own + both.in), trouble);
+    if (!status) status = enlarge_batch(both.image, scree_padded(both.in_image + both.out), trouble);
     return status ? status : scree_make_space(&contacts->rough, (size_t)all * sizeof(int), trouble);
 }
 

@@ -177,7 +177,7 @@ struct gathered {
 };
 
 static void gather(const struct scree_batch *batch, const int *index, int count, struct gathered *g) {
-    int padded = (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING;
+    int padded = scree_padded(count);
     for (int k = 0; k < count; k++) scree_put_contact(&g->batch, k, scree_contact_at(batch, index[k]));
     for (int m = 0; m < SCREE_MEMORY; m++)
         for (int k = 0; batch->keeps[m] && k < padded; k++)

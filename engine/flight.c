@@ -9,7 +9,6 @@
 #include "contact/meet.h"
 
 #include <math.h>
-#include <string.h>
 
 int scree_adaptive_can_fly(const struct scree_scene *scene) {
     if (scene->gravity.tilts) return 0;

@@ -135,6 +135,24 @@ scree_status figures_table(struct figures *figures, const char *name, const char
     return status;
 }
 
+FILE *figures_begin(struct figures *figures, const char *name, const char *header, struct figures_tables *tables) {
+    struct scree_out *out = &tables->out[tables->count];
+    if (figures_open(figures, name, out)) return NULL;
+    tables->count++;
+    if (header) fprintf(out->file, "%s\n", header);
+    return out->file;
+}
+
+scree_status figures_end(struct figures *figures, struct figures_tables *tables) {
+    return scree_out_finish(&tables->out[tables->count - 1], &figures->trouble);
+}
+
+scree_status figures_keep(struct figures *figures, struct figures_tables *tables, scree_status status) {
+    for (int k = 0; k < tables->count && !status; k++) status = scree_out_keep(&tables->out[k], &figures->trouble);
+    for (int k = 0; k < tables->count; k++) scree_out_drop(&tables->out[k], 0);
+    return status;
+}
+
 /* Run gnuplot in the folder; the exit status, 127 if it can't be started. */
 static int run_gnuplot(const char *folder, const char *script) {
     fflush(NULL);

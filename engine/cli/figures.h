@@ -105,6 +105,19 @@ scree_status figures_open(struct figures *figures, const char *name, struct scre
 /* Open NAME.csv with a header line. */
 scree_status figures_table(struct figures *figures, const char *name, const char *header, struct scree_out *out);
 
+/* Tables that belong together: all are whole before the first takes its name. */
+struct figures_tables {
+    struct scree_out *out; /* room for all, zeroed; to be freed by who made it */
+    int count;
+};
+
+/* The next of them, with a header line unless that is NULL; NULL after filling the trouble record. Then its end. */
+FILE *figures_begin(struct figures *figures, const char *name, const char *header, struct figures_tables *tables);
+scree_status figures_end(struct figures *figures, struct figures_tables *tables);
+
+/* Give them their names, unless `status` says that some failed: then none is left. */
+scree_status figures_keep(struct figures *figures, struct figures_tables *tables, scree_status status);
+
 /* Write NAME.gp (a fixed head, then `script`) and let gnuplot draw NAME.svg by it. The script stays beside the data. */
 scree_status figures_plot(struct figures *figures, const char *name, const char *script);
 

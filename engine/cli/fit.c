@@ -40,8 +40,8 @@ struct fitting {
     struct fit_file file;
     struct fit_result result;
     struct figures output; /* folder, plots, trouble */
-    struct scree_out *outs;
-    int outs_count, threads;
+    struct figures_tables tables;
+    int threads;
     double seconds;
 };
 
@@ -159,25 +159,13 @@ static void print_all(struct fitting *p) {
     tell_why(&p->result);
 }
 
-/* ---- tables: all are written before the first takes its name ---- */
-
-static FILE *begin_table(struct fitting *p, const char *name) {
-    struct scree_out *out = &p->outs[p->outs_count];
-    if (figures_open(&p->output, name, out)) return NULL;
-    p->outs_count++;
-    return out->file;
-}
-
-static scree_status end_table(struct fitting *p) {
-    return scree_out_finish(&p->outs[p->outs_count - 1], &p->output.trouble);
-}
+/* ---- tables ---- */
 
 static scree_status write_parameters(struct fitting *p) {
     static const char *const states[] = {"free", "held", "undetermined", "adrift"};
     const struct fit_file *f = &p->file;
-    FILE *file = begin_table(p, "fit");
+    FILE *file = figures_begin(&p->output, "fit", "parameter,value,standard_error,low,high,start,state", &p->tables);
     if (!file) return p->output.trouble.status;
-    fprintf(file, "parameter,value,standard_error,low,high,start,state\n");
     for (int j = 0; j < f->parameters; j++) {
         const struct fit_result *result = &p->result;
         fprintf(file, "%s,%.17g,", f->parameter[j].name, result->value[j]);
@@ -187,12 +175,12 @@ static scree_status write_parameters(struct fitting *p) {
             fprintf(file, ",,");
         fprintf(file, ",%.17g,%s\n", f->parameter[j].start, states[result->state[j]]);
     }
-    return end_table(p);
+    return figures_end(&p->output, &p->tables);
 }
 
 static scree_status write_correlations(struct fitting *p) {
     const struct fit_file *f = &p->file;
-    FILE *file = begin_table(p, "correlation");
+    FILE *file = figures_begin(&p->output, "correlation", NULL, &p->tables);
     if (!file) return p->output.trouble.status;
     fprintf(file, "parameter");
     for (int j = 0; j < f->parameters; j++) fprintf(file, ",%s", f->parameter[j].name);
@@ -207,14 +195,14 @@ static scree_status write_correlations(struct fitting *p) {
         }
     }
     fprintf(file, "\n");
-    return end_table(p);
+    return figures_end(&p->output, &p->tables);
 }
 
 static scree_status write_record(struct fitting *p, int k, const double *misfit) {
     const struct fit_experiment *e = &p->file.experiment[k];
     char name[32];
     snprintf(name, sizeof name, "record_%d", k + 1);
-    FILE *file = begin_table(p, name);
+    FILE *file = figures_begin(&p->output, name, NULL, &p->tables);
     if (!file) return p->output.trouble.status;
     fprintf(file, "time_s");
     for (int c = 0; c < e->columns; c++)
@@ -227,7 +215,7 @@ static scree_status write_record(struct fitting *p, int k, const double *misfit)
         }
     }
     fprintf(file, "\n");
-    return end_table(p);
+    return figures_end(&p->output, &p->tables);
 }
 
 enum { MOST_POINTS = 4000 };
@@ -285,8 +273,7 @@ static scree_status write_all(struct fitting *p) {
         status = write_record(p, k, misfit);
         misfit += f->experiment[k].rows * (size_t)f->experiment[k].columns;
     }
-    for (int k = 0; k < p->outs_count && !status; k++) status = scree_out_keep(&p->outs[k], &p->output.trouble);
-    for (int k = 0; k < p->outs_count; k++) scree_out_drop(&p->outs[k], 0);
+    status = figures_keep(&p->output, &p->tables, status);
     if (status) return status;
     remove_stale(p);
     for (int k = 0; k < f->experiments && !status; k++) status = plot_record(p, k);
@@ -328,8 +315,8 @@ static scree_status check_folder(struct fitting *p) {
 }
 
 static scree_status work(struct fitting *p) {
-    p->outs = calloc((size_t)p->file.experiments + 2, sizeof *p->outs);
-    if (!p->outs) return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for a fit");
+    p->tables.out = calloc((size_t)p->file.experiments + 2, sizeof *p->tables.out);
+    if (!p->tables.out) return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for a fit");
     scree_status status = check_inputs(p);
     if (!status) status = check_folder(p);
     if (status) return status;
@@ -377,7 +364,7 @@ int cli_fit(int count, char **words) {
     code = status ? cli_exit_code(status) : is_good(&p) ? EXIT_GOOD : EXIT_MISSED;
     fit_free_result(&p.result);
     fit_file_free(&p.file);
-    free(p.outs);
+    free(p.tables.out);
     free(named);
     return code;
 }

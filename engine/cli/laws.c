@@ -4,7 +4,6 @@
 #include "engine/cli/cli.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static const char help[] =
     "usage: scree laws [NAME]\n"

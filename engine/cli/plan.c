@@ -56,8 +56,7 @@ struct planning {
     scree_map map;
     scree_map_report report;
     double (*errors)[MOTIONS]; /* over the operating speed; NULL: none */
-    struct scree_out *outs;    /* tables that are written, but not yet kept */
-    int outs_count;
+    struct figures_tables tables;
     int threads, failed;
 };
 
@@ -68,20 +67,7 @@ static scree_plan_options options_of(const struct transport_file *f) {
     return options;
 }
 
-/* ---- output: all tables are written before the first takes its name ---- */
-
-/* The next table; NULL after filling the trouble record. */
-static FILE *begin_table(struct planning *p, const char *name, const char *header) {
-    struct scree_out *out = &p->outs[p->outs_count];
-    if (figures_open(&p->output, name, out)) return NULL;
-    p->outs_count++;
-    if (header) fprintf(out->file, "%s\n", header);
-    return out->file;
-}
-
-static scree_status end_table(struct planning *p) {
-    return scree_out_finish(&p->outs[p->outs_count - 1], &p->output.trouble);
-}
+/* ---- output ---- */
 
 /* A number and the comma before it; nothing for what isn't known. */
 static void put(FILE *file, double x) { fprintf(file, isfinite(x) ? ",%.17g" : ",", x); }
@@ -174,11 +160,12 @@ static void plan_speed(const struct transport_file *f, double cycles, struct spe
 }
 
 static scree_status write_plans(struct planning *p) {
-    FILE *file = begin_table(
-        p, "plan",
+    FILE *file = figures_begin(
+        &p->output, "plan",
         "cycles_1_min,state,transport_time_s,t1_s,t2_s,t3_s,v1_m_s,v2_m_s,v3_m_s,a1_m_s2,a2_m_s2,a3_m_s2,detachment_s,"
         "largest_acceleration_m_s2,largest_jerk_m_s3,simulations,clearance_m,approach_m_s,catch_N,final_error_m,"
-        "by_friction_m,by_play,by_start,by_stiffness_m2_N,by_restitution_m");
+        "by_friction_m,by_play,by_start,by_stiffness_m2_N,by_restitution_m",
+        &p->tables);
     if (!file) return p->output.trouble.status;
     for (int k = 0; k < p->file.speeds; k++) {
         const struct speed *s = &p->speeds[k];
@@ -203,7 +190,7 @@ static scree_status write_plans(struct planning *p) {
         for (int c = 0; c < SCREE_CONDITIONS; c++) put(file, s->by[c].clearance);
         fprintf(file, "\n");
     }
-    return end_table(p);
+    return figures_end(&p->output, &p->tables);
 }
 
 static void print_plans(const struct planning *p) {
@@ -262,11 +249,11 @@ static scree_status write_servo(struct planning *p, const scree_plan *plan) {
     if (f->lift != 0.0 && scree_cycle_make(&def, &plan->profile, &cycle))
         return scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no return stroke at %g cycles/min: %s",
                             plan->cycles, cycle.text);
-    FILE *file = begin_table(p, name, NULL);
+    FILE *file = figures_begin(&p->output, name, NULL, &p->tables);
     if (!file) return p->output.trouble.status;
     int failed = f->lift != 0.0 ? scree_table_write_cycle(file, &cycle, &options)
                                 : scree_table_write(file, &plan->profile, &options);
-    scree_status status = end_table(p);
+    scree_status status = figures_end(&p->output, &p->tables);
     if (!status && failed)
         status = scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no servo table at %g rows a second", f->rate);
     return status;
@@ -307,7 +294,8 @@ static scree_status write_map(struct planning *p) {
     enum { ROWS = 41, COLUMNS = 51 };
     const scree_map *map = &p->map;
     if (map->count == 0) return SCREE_OK;
-    FILE *file = begin_table(p, "map", "cycles_1_min,f1,f2,f3,v1_T_m,v2_T_m,v3_T_m,a1_T2_m,a2_T2_m,a3_T2_m");
+    FILE *file = figures_begin(&p->output, "map", "cycles_1_min,f1,f2,f3,v1_T_m,v2_T_m,v3_T_m,a1_T2_m,a2_T2_m,a3_T2_m",
+                               &p->tables);
     for (int k = 0; file && k < map->count; k++) {
         const scree_map_knot *knot = &map->knots[k];
         const double *sets[3] = {knot->fractions, knot->v, knot->a};
@@ -315,8 +303,8 @@ static scree_status write_map(struct planning *p) {
         for (int s = 0; s < 9; s++) put(file, sets[s / 3][s % 3]);
         fprintf(file, "\n");
     }
-    if (!file || end_table(p)) return p->output.trouble.status;
-    file = begin_table(p, "map_surface", "cycles_1_min,share_of_time,v_m_s");
+    if (!file || figures_end(&p->output, &p->tables)) return p->output.trouble.status;
+    file = figures_begin(&p->output, "map_surface", "cycles_1_min,share_of_time,v_m_s", &p->tables);
     for (int row = 0; file && row < ROWS; row++) {
         double cycles = p->file.map.low + (p->file.map.high - p->file.map.low) * row / (ROWS - 1);
         struct scree_profile profile;
@@ -327,7 +315,7 @@ static scree_status write_map(struct planning *p) {
         }
         fprintf(file, "\n");
     }
-    return file ? end_table(p) : p->output.trouble.status;
+    return file ? figures_end(&p->output, &p->tables) : p->output.trouble.status;
 }
 
 static void make_map(struct planning *p) {
@@ -414,14 +402,15 @@ static scree_status make_curves(struct planning *p) {
 static scree_status write_curves(struct planning *p) {
     const struct transport_file *f = &p->file;
     if (!p->errors) return SCREE_OK;
-    FILE *file = begin_table(p, "curves", "cycles_1_min,conventional_m,scaled_m,planned_m,map_m");
+    FILE *file =
+        figures_begin(&p->output, "curves", "cycles_1_min,conventional_m,scaled_m,planned_m,map_m", &p->tables);
     if (!file) return p->output.trouble.status;
     for (int k = 0; k < f->curves; k++) {
         fprintf(file, "%.17g", curve_speed(f, k));
         for (int m = 0; m < MOTIONS; m++) put(file, p->errors[k][m]);
         fprintf(file, "\n");
     }
-    return end_table(p);
+    return figures_end(&p->output, &p->tables);
 }
 
 /* ---- limits in words ---- */
@@ -603,8 +592,7 @@ static scree_status write_all(struct planning *p) {
     if (!status) status = write_servos(p);
     if (!status) status = write_map(p);
     if (!status) status = write_curves(p);
-    for (int k = 0; k < p->outs_count && !status; k++) status = scree_out_keep(&p->outs[k], &p->output.trouble);
-    for (int k = 0; k < p->outs_count; k++) scree_out_drop(&p->outs[k], 0);
+    status = figures_keep(&p->output, &p->tables, status);
     if (status) return status;
     remove_stale(p);
     if (p->map.count) status = figures_plot(&p->output, "map", script_map);
@@ -629,8 +617,8 @@ static scree_status work(struct planning *p) {
     struct transport_file *f = &p->file;
     p->map = (scree_map){.weight = f->weight, .capacity = MOST_KNOTS, .knots = knots};
     p->speeds = calloc((size_t)f->speeds, sizeof *p->speeds);
-    p->outs = calloc((size_t)f->speeds + OTHER_TABLES, sizeof *p->outs);
-    if (!p->speeds || !p->outs)
+    p->tables.out = calloc((size_t)f->speeds + OTHER_TABLES, sizeof *p->tables.out);
+    if (!p->speeds || !p->tables.out)
         return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for %d speeds", f->speeds);
     int there = access(p->output.folder, F_OK) == 0;
     scree_status status = scree_make_folder(p->output.folder, &p->output.trouble);
@@ -664,7 +652,7 @@ int cli_plan(int count, char **words) {
     if (!status) status = work(&p);
     scree_leave_c_locale(locale);
     free(p.speeds);
-    free(p.outs);
+    free(p.tables.out);
     free(p.errors);
     if (status) cli_complain("%s", p.output.trouble.text);
     transport_file_free(&p.file);
