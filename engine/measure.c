@@ -35,6 +35,12 @@ double scree_scene_body_mass(const scree_scene *scene, int index) {
     return scree_body_mass(&def, scene->material[def.material].density);
 }
 
+int scree_has_own_mass(const struct scree_scene *scene, int index) {
+    const struct scree_kind *kind = scree_kind_of(&scene->bodies, scene->bodies.place[index]);
+    scree_body_def def = {.shape = kind->shape};
+    return kind->inertia.mass != scree_body_mass(&def, scene->material[kind->material].density);
+}
+
 int scree_scene_body_moves(const scree_scene *scene, int index) {
     if (!is_body(scene, index)) return 0;
     scree_joint joint = is_made(scene) ? scree_kind_of(&scene->bodies, scene->bodies.place[index])->joint

@@ -2,6 +2,7 @@
 #include "engine/output.h"
 
 #include "engine/c_locale.h"
+#include "engine/scene.h"
 #include "engine/vtk.h"
 
 #include <stdlib.h>
@@ -15,8 +16,6 @@ static const char contacts_header[] = "time_s,ball,host,corner,x_m,y_m,z_m,nx,ny
 static const char energy_header[] =
     "time_s,kinetic_J,rotational_J,potential_J,stored_J,lost_normal_J,lost_tangential_J,"
     "driven_J,balance_J,deepest_overlap\n";
-static const char spheres_header[] = "name,x_m,y_m,z_m,radius_m,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s,"
-                                     "material\n";
 static const char series_header[] =
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
 static const char series_end[] = "</Collection>\n</VTKFile>\n";
@@ -193,20 +192,30 @@ static scree_status finish_state(struct scree_output *output, scree_scene *scene
     return status ? status : scree_out_finish(&output->state, trouble);
 }
 
-/* The spheres that move, as [[spheres]] reads them. */
+static int is_moving_sphere(const scree_scene *scene, int k) {
+    return scree_scene_body_shape(scene, k).kind == SCREE_SPHERE && scree_scene_body_moves(scene, k);
+}
+
+/* The spheres that move, as [[spheres]] reads them; their masses, unless the materials' densities say them all. */
 static scree_status finish_spheres(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
     if (!(output->request->write & SCREE_WRITE_SPHERES)) return SCREE_OK;
-    scree_status status = open_one(output, &output->spheres, "spheres.csv", spheres_header, trouble);
+    scree_status status = open_one(output, &output->spheres, "spheres.csv", "name,x_m,y_m,z_m,radius_m", trouble);
     if (status) return status;
     struct scree_c_locale locale = scree_enter_c_locale();
     FILE *file = output->spheres.file;
+    int masses = 0;
+    for (int k = 0; k < scree_scene_bodies(scene) && !masses; k++)
+        masses = is_moving_sphere(scene, k) && scree_has_own_mass(scene, k);
+    fprintf(file, "%s,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s,material\n", masses ? ",mass_kg" : "");
     for (int k = 0; k < scree_scene_bodies(scene); k++) {
+        if (!is_moving_sphere(scene, k)) continue;
         scree_shape shape = scree_scene_body_shape(scene, k);
-        if (shape.kind != SCREE_SPHERE || !scree_scene_body_moves(scene, k)) continue;
         scree_body_state state = scree_scene_body(scene, k);
+        double mass = scree_scene_body_mass(scene, k);
         put_name(file, scree_scene_body_name(scene, k).text);
         put_numbers(file, state.position, 3);
         put_numbers(file, &shape.radius, 1);
+        if (masses) put_numbers(file, &mass, 1);
         put_numbers(file, state.velocity, 3);
         put_numbers(file, state.spin, 3);
         fputc(',', file);

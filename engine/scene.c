@@ -326,6 +326,7 @@ static scree_body_def sphere_def(const scree_spheres_def *def, int k, const char
     scree_body_def body = {.name = name, .material = def->material, .joint = def->joint};
     body.shape = (scree_shape){.kind = SCREE_SPHERE, .radius = def->radii ? def->radii[k] : def->radius};
     memcpy(body.position, def->positions[k], sizeof body.position);
+    if (def->masses) body.mass = def->masses[k];
     if (def->velocity) memcpy(body.velocity, def->velocity, sizeof body.velocity);
     if (def->velocities) memcpy(body.velocity, def->velocities[k], sizeof body.velocity);
     if (def->spins) memcpy(body.spin, def->spins[k], sizeof body.spin);
@@ -344,6 +345,7 @@ static scree_status add_sphere(scree_scene *scene, const scree_spheres_def *def,
     if (k == 0) group->like = body;
     memcpy(group->place[k], body.position, sizeof body.position);
     group->place[k][3] = body.shape.radius;
+    group->place[k][4] = body.mass;
     if (!group->motion) return SCREE_OK;
     memcpy(group->motion[k], body.velocity, sizeof body.velocity);
     memcpy(group->motion[k] + 3, body.spin, sizeof body.spin);
@@ -399,6 +401,7 @@ scree_body_def scree_scene_definition(const scree_scene *scene, int k) {
     scree_body_def def = group->like;
     for (int axis = 0; group->place && axis < 3; axis++) def.position[axis] = group->place[k - group->first][axis];
     if (group->place) def.shape.radius = group->place[k - group->first][3];
+    if (group->place) def.mass = group->place[k - group->first][4];
     for (int axis = 0; group->motion && axis < 3; axis++) {
         def.velocity[axis] = group->motion[k - group->first][axis];
         def.spin[axis] = group->motion[k - group->first][3 + axis];

@@ -11,7 +11,7 @@
 struct scree_body_group {
     int first, count;    /* which bodies */
     scree_body_def like; /* without name */
-    double (*place)[4];  /* position, radius; NULL: `like` says them */
+    double (*place)[5];  /* position, radius, mass; NULL: `like` says them */
     double (*motion)[6]; /* velocity, spin; NULL: `like` says them */
 };
 
@@ -121,6 +121,9 @@ double scree_books_lack(scree_scene *scene);
 
 /* Definition of body k, which must not be baked yet, without its name. */
 scree_body_def scree_scene_definition(const struct scree_scene *scene, int k);
+
+/* Of a baked scene: whether a body's mass is given, not that of its material's density. */
+int scree_has_own_mass(const struct scree_scene *scene, int index);
 
 /* Give up the definitions of bodies. */
 void scree_scene_free_groups(struct scree_scene *scene);

@@ -10,12 +10,21 @@ static scree_scene *scene_of(struct scree_reader *r) { return ((struct scree_sce
 /* ---- from a table ---- */
 
 /* The columns that a table of spheres may have: with their unit, or without. */
-enum { X, Y, Z, RADIUS, VX, VY, VZ, WX, WY, WZ, NAME, MATERIAL, COLUMNS };
+enum { X, Y, Z, RADIUS, MASS, VX, VY, VZ, WX, WY, WZ, NAME, MATERIAL, COLUMNS };
 
-static const char *const columns[COLUMNS][2] = {{"x_m", "x"},           {"y_m", "y"},       {"z_m", "z"},
-                                                {"radius_m", "radius"}, {"vx_m_s", "vx"},   {"vy_m_s", "vy"},
-                                                {"vz_m_s", "vz"},       {"wx_rad_s", "wx"}, {"wy_rad_s", "wy"},
-                                                {"wz_rad_s", "wz"},     {"name", "body"},   {"material", "material"}};
+static const char *const columns[COLUMNS][2] = {{"x_m", "x"},
+                                                {"y_m", "y"},
+                                                {"z_m", "z"},
+                                                {"radius_m", "radius"},
+                                                {"mass_kg", "mass"},
+                                                {"vx_m_s", "vx"},
+                                                {"vy_m_s", "vy"},
+                                                {"vz_m_s", "vz"},
+                                                {"wx_rad_s", "wx"},
+                                                {"wy_rad_s", "wy"},
+                                                {"wz_rad_s", "wz"},
+                                                {"name", "body"},
+                                                {"material", "material"}};
 
 /* A table of spheres while it is read. */
 struct bed {
@@ -41,7 +50,7 @@ static void find_columns(struct scree_reader *r, struct bed *bed) {
             scree_complain_in_table(
                 r, bed->path, table->header, table->at[k],
                 "there is no column \"%s\" in a table of spheres: it has x_m, y_m, z_m and, if wanted, "
-                "radius_m, vx_m_s …, wx_rad_s …, name and material%s",
+                "radius_m, mass_kg, vx_m_s …, wx_rad_s …, name and material%s",
                 table->name[k], scree_hint(table->name[k], all).text);
         else if (bed->at[found] >= 0)
             scree_complain_in_table(r, bed->path, table->header, table->at[k], "two columns for %s", columns[found][0]);
@@ -117,6 +126,7 @@ static void add_runs(struct scree_reader *r, const struct bed *bed, const scree_
         def.count = next - first;
         def.positions += first;
         if (def.radii) def.radii += first;
+        if (def.masses) def.masses += first;
         if (def.velocities) def.velocities += first;
         if (def.spins) def.spins += first;
         if (def.names) def.names += first;
@@ -149,6 +159,7 @@ static void add_bed(struct scree_reader *r, const struct scree_toml *table, stru
     def.velocities = (const double(*)[3])bed->velocity;
     def.spins = (const double(*)[3])bed->spin;
     if (bed->at[RADIUS] >= 0) def.radii = bed->table.column[bed->at[RADIUS]];
+    if (bed->at[MASS] >= 0) def.masses = bed->table.column[bed->at[MASS]];
     if (bed->at[NAME] >= 0) def.names = (const char *const *)bed->table.word[bed->at[NAME]];
     if (!r->status) read_materials(r, bed, &def);
     if (!r->status) add_runs(r, bed, &def, table);

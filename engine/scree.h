@@ -98,6 +98,7 @@ typedef struct scree_spheres_def {
     const double (*positions)[3]; /* of the centres, m */
     double radius;                /* m; counts without `radii` */
     const double *radii;
+    const double *masses;                       /* kg; 0: by the material's density. NULL: all are by that */
     const double *velocity;                     /* of all, m/s; NULL: at rest */
     const double (*velocities)[3], (*spins)[3]; /* of each, m/s and rad/s; NULL: as said by `velocity`; no spin */
     const char *const *names;                   /* NULL: numbered as above */

@@ -145,6 +145,22 @@ tail -n +2 "$work/grains/spheres.csv" | sed 's/,"glass, clear"$//' | cut -d, -f1
 sed -n '2,41p' "$work/again/bodies.csv" | cut -d, -f2-5,10-12 >"$work/start"
 expect 'the same 40 spheres' test "$(wc -l <"$work/end")" = 40
 expect 'in every bit' cmp "$work/end" "$work/start"
+spheres '[[body]]
+name = "shot"
+shape = { sphere = 1e-3 }
+mass = 0.3
+material = "glass, clear"
+[[body]]
+name = "bead"
+shape = { sphere = 1e-3 }
+material = "glass, clear"
+position = [0.01, 0, 0]' >"$work/shot.toml"
+check 'a sphere with a mass of its own' 0 'written to' "$scree" run "$work/shot.toml" -o "$work/shot"
+spheres '[[spheres]]
+file = "shot/spheres.csv"' >"$work/shots.toml"
+check 'masses read again' 0 'written to' "$scree" run "$work/shots.toml" -o "$work/shots"
+expect 'its mass' grep -q '^shot,0,0,0,0.001,0.29999999999999999,0,' "$work/shots/spheres.csv"
+expect 'that of the density' cmp "$work/shot/spheres.csv" "$work/shots/spheres.csv"
 
 # The ball pressed between two walls: what is off before each halving stays in the result, and is told.
 coarse 3.8e-4

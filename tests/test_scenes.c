@@ -241,6 +241,8 @@ static void test_bad_tables(void) {
         {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,1,glas\n", "",
          ".csv:3:9: there is no material called \"glas\"; did you mean \"glass\"?"},
         {"x,y,z,radius,material\n0,0,0,1,glass\n5,0,0,-1,glass\n", "", ".csv:3:1: body \"sphere 2\": "},
+        {"x,y,z,radius,material,mass\n0,0,0,1,glass,0\n5,0,0,1,glass,-1\n", "",
+         ".csv:3:1: the mass of body \"sphere 2\" must be > 0 kg"},
         {"name,x,y,z\na,0,0,0\n# more\na,1,0,0\n", more, ".csv:4:1: there are two of the body \"a\""},
         {"name,x,y,z\na,0,0,0\n", "radius = 0.1\nmaterial = \"glass\"\nname = \"b\"\n", "column of names already"},
         {"x,y,z\n0,0,0\n0.05,0,0\n", more, "\"sphere 1\" and \"sphere 2\" overlap by 0.15 m at the start"},
