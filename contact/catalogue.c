@@ -135,10 +135,10 @@ static scree_status read_settings(const struct scree_law_text *text, const scree
             return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "%s of the law \"%s\" is given twice",
                                 parameter->name, text->name);
         if (!in_range(setting->value, parameter->range))
-            return scree_report(trouble, SCREE_BAD_INPUT, setting->name,
-                                "%s of the law \"%s\" (%s) must be %s, got %g %s", parameter->name, text->name,
-                                parameter->meaning, scree_range_text(parameter->range), setting->value,
-                                strcmp(parameter->unit, "1") ? parameter->unit : "");
+            return scree_report(
+                trouble, SCREE_BAD_INPUT, setting->name, "%s of the law \"%s\" (%s) must be %s, got %g%s%s",
+                parameter->name, text->name, parameter->meaning, scree_range_text(parameter->range), setting->value,
+                strcmp(parameter->unit, "1") ? " " : "", strcmp(parameter->unit, "1") ? parameter->unit : "");
         values->v[index] = setting->value;
     }
     return SCREE_OK;

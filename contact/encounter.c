@@ -287,14 +287,23 @@ struct vec scree_approach(const struct scree_encounter *e) {
     return vec_sub(ball, vec_add(e->host.velocity, vec_cross(e->host.spin, e->host.arm)));
 }
 
-/* Overlap at which the elastic force alone has stopped the bodies. */
+/* What the elastic force does on a way as long as the overlap. */
+static double press_by(const struct pair *p, double overlap) {
+    struct scree_pressing at = {overlap, 1e-300, 0.0, 0.0};
+    return p->normal->force(&p->rule->normal_constants, p->of_normal, at).elastic * overlap;
+}
+
+/* Overlap at which the elastic force alone has stopped the bodies, m. */
+enum { LONGEST = 1000 };
 static double elastic_overlap(const struct pair *p, double energy) {
     double work = 0.0, overlap = 1e-15;
-    for (; work < energy && overlap < 1e3; overlap *= 1.02) {
-        struct scree_pressing at = {overlap, 1e-300, 0.0, 0.0};
-        work += p->normal->force(&p->rule->normal_constants, p->of_normal, at).elastic * 0.02 * overlap;
-    }
+    while (press_by(p, overlap) > 1e-4 * energy && overlap > 1e-150) overlap *= 1e-3;
+    for (; work < energy && overlap < LONGEST; overlap *= 1.02) work += 0.02 * press_by(p, overlap);
     return overlap;
+}
+
+static int can_follow(const struct pair *p) {
+    return p->length < LONGEST && p->time > 0.0 && isfinite(p->time) && p->push > 0.0 && isfinite(p->load);
 }
 
 static struct pair make_pair(const struct scree_encounter *e, const struct scree_rule *rule) {
@@ -307,7 +316,8 @@ static struct pair make_pair(const struct scree_encounter *e, const struct scree
     add_softness(p.softness, &e->host);
     struct vec wn = vec(vec_dot(p.softness[0], p.n), vec_dot(p.softness[1], p.n), vec_dot(p.softness[2], p.n));
     double closing = -vec_dot(p.u0, p.n), soft = vec_dot(wn, p.n);
-    p.length = elastic_overlap(&p, 0.5 * closing * closing / soft);
+    double energy = 0.5 * closing * closing / soft;
+    p.length = isnormal(energy) ? elastic_overlap(&p, energy) : 0.0;
     p.time = p.length / closing;
     p.push = closing / soft;
     p.load = p.push / p.time;
@@ -364,13 +374,17 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
     struct pair p = make_pair(e, rule);
     struct phase phase = {.approaching = 1};
     struct state s = {{0.0}};
-    struct scree_outcome_of_impact result = {.ending = SCREE_UNFINISHED};
+    struct scree_outcome_of_impact result = {.ending = SCREE_UNFINISHED,
+                                             .ball = e->ball,
+                                             .host = e->host,
+                                             .energy = energy_of(&e->ball) + energy_of(&e->host)};
     double time = 0.0, h = 1e-3 * p.time;
     struct state touch = {{1e-30 * p.length}}; /* a law may keep the speed of the first touch */
     struct scree_normal_force first = look(&p, &phase, &touch).law;
     phase.first = first.first;
     phase.second = first.second;
     int rapid = 0, turns = 0;
+    if (!can_follow(&p) || !isfinite(result.energy)) return result;
     record(&p, &phase, &s, time, &result, watch, context);
     while (result.steps < MOST_STEPS && !phase.over) {
         double error, taken = h;
@@ -405,7 +419,6 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
     result.impulse = vec_from(&s.y[IMPULSE]);
     result.ball = pushed(e->ball, result.impulse);
     result.host = pushed(e->host, vec_scale(-1.0, result.impulse));
-    result.energy = energy_of(&e->ball) + energy_of(&e->host);
     result.lost_normal = s.y[WORK_NORMAL];
     result.lost_tangential = s.y[WORK_TANGENTIAL];
     double parting = vec_dot(velocity(&p, &s), p.n);

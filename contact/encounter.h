@@ -48,7 +48,8 @@ enum scree_ending {
     SCREE_PARTED,
     SCREE_STAYED,    /* still in touch after 300 times the time in which the spring would stop the bodies, or 200 turns
                         round */
-    SCREE_UNFINISHED /* the laws change faster than a million steps can follow */
+    SCREE_UNFINISHED /* the laws change faster than a million steps can follow, or numbers are too large or too small
+                        to be followed: only the energy before counts */
 };
 
 struct scree_outcome_of_impact {

@@ -192,11 +192,13 @@ static scree_status finish_state(struct scree_output *output, scree_scene *scene
     return status ? status : scree_out_finish(&output->state, trouble);
 }
 
-static int is_moving_sphere(const scree_scene *scene, int k) {
-    return scree_scene_body_shape(scene, k).kind == SCREE_SPHERE && scree_scene_body_moves(scene, k);
+static int is_moved_sphere(const scree_scene *scene, int k) {
+    const struct scree_kind *kind = scree_kind_of(&scene->bodies, scene->bodies.place[k]);
+    return kind->shape.kind == SCREE_SPHERE && scree_joint_can_move(&kind->joint);
 }
 
-/* The spheres that move, as [[spheres]] reads them; their masses, unless the materials' densities say them all. */
+/* The spheres that forces move, as [[spheres]] reads them; their masses, unless the materials' densities say them all.
+ */
 static scree_status finish_spheres(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
     if (!(output->request->write & SCREE_WRITE_SPHERES)) return SCREE_OK;
     scree_status status = open_one(output, &output->spheres, "spheres.csv", "name,x_m,y_m,z_m,radius_m", trouble);
@@ -205,10 +207,10 @@ static scree_status finish_spheres(struct scree_output *output, scree_scene *sce
     FILE *file = output->spheres.file;
     int masses = 0;
     for (int k = 0; k < scree_scene_bodies(scene) && !masses; k++)
-        masses = is_moving_sphere(scene, k) && scree_has_own_mass(scene, k);
+        masses = is_moved_sphere(scene, k) && scree_has_own_mass(scene, k);
     fprintf(file, "%s,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s,material\n", masses ? ",mass_kg" : "");
     for (int k = 0; k < scree_scene_bodies(scene); k++) {
-        if (!is_moving_sphere(scene, k)) continue;
+        if (!is_moved_sphere(scene, k)) continue;
         scree_shape shape = scree_scene_body_shape(scene, k);
         scree_body_state state = scree_scene_body(scene, k);
         double mass = scree_scene_body_mass(scene, k);

@@ -229,7 +229,7 @@ void scree_read_generate(struct scree_reader *r, const struct scree_toml *table)
         scree_complain(r, table, "[[generate]] needs the corners of its box: min = [x, y, z] and max = [x, y, z]");
     read_radius(r, table, &def);
     if (spread) def.radii = (scree_radii)scree_choose(r, spread, "distribution", spreads);
-    if (spread && !(def.radius[1] > def.radius[0]))
+    if (spread && (def.radius[1] == 0.0 || def.radius[1] == def.radius[0]))
         scree_complain(r, spread, "a distribution needs two radii: radius = [least, largest]");
     def.count = (int)read_whole(r, table, "count", 2147483647.0);
     def.seed = (uint64_t)read_whole(r, table, "seed", 9007199254740992.0);

@@ -198,6 +198,8 @@ check 'haste' 0 'it only grazes' "$scree" run "$work/coarse.toml" -o "$work/coar
 
 # Two bodies meet. The rule of a rigid body that slides: e_t = 1 - mu (1 + e) = 0.81 at 45 degrees.
 slides='ramp kinetic=0.1 threshold=1e-6'
+check 'impact: too fast to be followed' 1 "can't be followed" "$scree" impact --law 'linear stiffness=1e5' --speed 1e12
+check 'impact: too steep' 1 ',unfinished' "$scree" impact --law 'linear stiffness=1e5 damping=1e6'
 check 'impact: a row' 0 'tsuji-cut,none,1,0,0,0,0.9' "$scree" impact --law 'tsuji-cut modulus=1e8 restitution=0.9'
 expect 'impact: slides' test "$("$scree" impact --law 'linear-cut stiffness=1e5 restitution=0.9' --friction "$slides" --angle 45 |
     awk -F, 'NR == 2 { print (($7 - 0.9)^2 < 1e-18 && ($8 - 0.81)^2 < 1e-18) }')" = 1

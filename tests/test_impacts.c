@@ -370,6 +370,25 @@ static void test_head_on(void) {
     }
 }
 
+/* A linear spring knows no scale: what a speed makes of an impact, any other speed does. The tolerance is the one that
+ * scree_meet states. What numbers can't hold isn't told as a result. */
+static void test_scales(void) {
+    const double speed[] = {1e-100, 1e-30, 1e-12, 1e6}, beyond[] = {1e-200, 1e12, 1e160};
+    struct scree_rule rule =
+        make_rule((scree_law_choice){"linear", 2, {{"stiffness", 1e5}, {"restitution", 0.5}}}, (scree_law_choice){0});
+    for (size_t k = 0; k < sizeof speed / sizeof *speed; k++) {
+        struct scree_encounter e = sphere_on_plane(0.02, 0.03, 0.0, speed[k]);
+        struct scree_outcome_of_impact after = scree_meet(&e, &rule, NULL, NULL);
+        CHECK(after.ending == SCREE_PARTED);
+        NEAR(after.restitution, 0.5, 1e-10);
+    }
+    for (size_t k = 0; k < sizeof beyond / sizeof *beyond; k++) {
+        struct scree_encounter e = sphere_on_plane(0.02, 0.03, 0.0, beyond[k]);
+        CHECK(scree_meet(&e, &rule, NULL, NULL).ending == SCREE_UNFINISHED);
+    }
+    scree_free_rule(&rule);
+}
+
 /* Energy that a spring gains by its change of stiffness alone while what is kept of it stays: F^2/(2 k), k ~ sqrt(d),
  * with the stretch kept (sign 1) or the force (-1). */
 struct stiffening {
@@ -460,6 +479,7 @@ int main(void) {
     test_box_corner();
     test_largest_force();
     test_head_on();
+    test_scales();
     test_energy();
     return check_report();
 }

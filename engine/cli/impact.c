@@ -43,7 +43,9 @@ static const char help[] =
     "\n"
     "Angles of rebound are those of the centre and of the contact point. e_tangential compares the centres, slip_ratio "
     "the\n"
-    "contact points (tangential speed after over that before; < 0: turned round).\n"
+    "contact points (tangential speed after over that before; < 0: turned round). Exit status 1 if some impacts are "
+    "left\n"
+    "unfinished: their laws are too steep, or numbers too large or too small, to be followed.\n"
     "\n"
     "example: scree impact --ball \"sphere radius=0.0025 density=4000 young=3.8e11 poisson=0.23\" --speed 3.9 \\\n"
     "           --law \"tsuji-cut restitution=0.98\" --friction \"mindlin static=0.092 kinetic=0.092\" \\\n"
@@ -67,6 +69,7 @@ struct setting {
     double quantity[QUANTITIES];
     int laws, frictions;
     struct sweep sweep;
+    int unfinished; /* some impacts couldn't be followed */
     scree_trouble trouble;
 };
 
@@ -270,7 +273,8 @@ static void print_ratio(FILE *file, double value, double by) {
         fprintf(file, "%.17g,", value / by);
 }
 
-static void print_row(const struct setting *s, int point, const struct impact *impact, FILE *file) {
+/* Of an impact that couldn't be followed nothing is printed that comes of it. */
+static void print_row(struct setting *s, int point, const struct impact *impact, FILE *file) {
     static const char *const endings[] = {"parted", "stayed", "unfinished"};
     const struct scree_encounter *e = &impact->encounter;
     struct scree_outcome_of_impact after = scree_meet(e, &impact->rule, NULL, NULL);
@@ -280,6 +284,11 @@ static void print_row(const struct setting *s, int point, const struct impact *i
     fprintf(file, "%s,%s,", law_name(&impact->rule), friction_name(&impact->rule));
     if (s->sweep.key) fprintf(file, "%.17g,", point >= 0 ? swept_value(&s->sweep, point) : NAN);
     for (int k = 0; k < QUANTITIES; k++) fprintf(file, "%.17g,", impact->quantity[k]);
+    if (after.ending == SCREE_UNFINISHED) {
+        fprintf(file, ",,,,,,,,,,,%.17g,,,%s\n", after.energy, endings[after.ending]);
+        s->unfinished = 1;
+        return;
+    }
     fprintf(file, "%.17g,", after.restitution);
     print_ratio(file, moves_after.x, moves.x);
     print_ratio(file, slip_after.x, slip.x);
@@ -340,7 +349,7 @@ static scree_status print_loops(struct setting *s, FILE *file) {
         scree_status status = make_impact(s, n, given ? -1 : 0, &impact);
         if (status) return status;
         struct loop loop = {file, &impact.rule};
-        scree_meet(&impact.encounter, &impact.rule, print_moment, &loop);
+        s->unfinished |= scree_meet(&impact.encounter, &impact.rule, print_moment, &loop).ending == SCREE_UNFINISHED;
         if (n + 1 < cases(s)) fprintf(file, "\n\n");
     }
     return SCREE_OK;
@@ -518,5 +527,7 @@ int cli_impact(int count, char **words) {
                           : loop   ? print_loops(&s, stdout)
                                    : print_results(&s, stdout);
     if (status) cli_complain("%s", s.trouble.text);
-    return cli_exit_code(status);
+    if (!status && s.unfinished)
+        cli_complain("what is unfinished can't be followed: its laws are too steep, or numbers too large or too small");
+    return status ? cli_exit_code(status) : s.unfinished ? EXIT_MISSED : EXIT_GOOD;
 }

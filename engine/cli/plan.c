@@ -276,9 +276,10 @@ static scree_status write_servos(struct planning *p) {
 
 /* ---- characteristic map ---- */
 
+/* What blending adds shows beside plans that reach the target: those of a rigid product don't with a soft one. */
 static double map_error(void *file, const struct scree_profile *profile, double cycles) {
     const struct transport_file *f = file;
-    if (!f->modelled) return scree_map_clearance((void *)(uintptr_t)&f->task, profile, cycles);
+    if (f->formulation != SCREE_PLAN_C) return scree_map_clearance((void *)(uintptr_t)&f->task, profile, cycles);
     scree_catch caught;
     double until = f->task.fractions[2] * scree_transport_time(&f->task, cycles);
     return process_catch((void *)(uintptr_t)&f->process, profile, until, &caught) ? HUGE_VAL : caught.clearance;
@@ -373,8 +374,8 @@ static const char script_curves[] =
     "set yrange [-5:5]\n"
     "plot 'curves.csv' using 1:($2*1e3) with lines ls 1 title 'conventional',\\\n"
     "     '' using 1:($3*1e3) with linespoints ls 2 title 'new, scaled',\\\n"
-    "     '' using 1:($4*1e3) with linespoints ls 3 title 'new, planned',\\\n"
-    "     '' using 1:($5*1e3) with points ls 4 title 'new, from the map'\n";
+    "     '' using 1:($4*1e3) with linespoints ls 3 title 'new, planned'";
+static const char script_mapped[] = ",\\\n     '' using 1:($5*1e3) with points ls 4 title 'new, from the map'";
 
 static double curve_speed(const struct transport_file *f, int k) {
     return f->from + (f->to - f->from) * k / (f->curves - 1);
@@ -596,7 +597,9 @@ static scree_status write_all(struct planning *p) {
     if (status) return status;
     remove_stale(p);
     if (p->map.count) status = figures_plot(&p->output, "map", script_map);
-    if (!status && p->errors) status = figures_plot(&p->output, "curves", script_curves);
+    char script[sizeof script_curves + sizeof script_mapped];
+    snprintf(script, sizeof script, "%s%s\n", script_curves, p->map.count ? script_mapped : "");
+    if (!status && p->errors) status = figures_plot(&p->output, "curves", script);
     return status;
 }
 
