@@ -15,10 +15,12 @@
 SCREE_PRINTF(3, 4)
 void scree_complain(struct scree_reader *r, const struct scree_toml *node, const char *format, ...) {
     va_list arguments;
+    char name[1024];
     if (r->status) return;
+    if (node && node->set) snprintf(name, sizeof name, "%.700s with %.300s", r->name, node->set);
     va_start(arguments, format);
-    r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, r->name, node ? node->line : 0, node ? node->column : 0,
-                                format, arguments);
+    r->status = scree_report_at(r->trouble, SCREE_BAD_INPUT, node && node->set ? name : r->name, node ? node->line : 0,
+                                node ? node->column : 0, format, arguments);
     va_end(arguments);
 }
 
@@ -51,7 +53,9 @@ void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, co
         int known = 0;
         for (const char *const *key = keys; *key; key++) known |= strcmp(*key, child->key) == 0;
         if (known) continue;
-        scree_complain(r, child, "unknown key \"%s\" in %s%s", child->key, what, scree_hint(child->key, keys).text);
+        struct scree_toml at = *child;
+        if (child->key_column) at.column = child->key_column;
+        scree_complain(r, &at, "unknown key \"%s\" in %s%s", child->key, what, scree_hint(child->key, keys).text);
     }
 }
 

@@ -462,7 +462,9 @@ static void parse_pair(struct parser *p, struct scree_toml *table) {
         complain_at(p, line, column, "\"%s\" is given twice (first on line %d)", parts[count - 1], known->line);
         return;
     }
-    add_child(p, table, parts[count - 1], parse_value(p));
+    struct scree_toml *value = parse_value(p);
+    if (value) value->key_column = column;
+    add_child(p, table, parts[count - 1], value);
 }
 
 static struct scree_toml *parse_inline_table(struct parser *p) {
@@ -637,9 +639,23 @@ static struct scree_toml *step_into(struct scree_toml *node, const char *part) {
 }
 
 /* A value from the command line, and all in it, has no place in the file. */
-static void forget_place(struct scree_toml *node) {
-    node->line = node->column = 0;
-    for (struct scree_toml *child = node->first; child; child = child->next) forget_place(child);
+static void forget_place(struct scree_toml *node, const char *assignment) {
+    node->line = node->column = node->key_column = 0;
+    node->set = assignment;
+    for (struct scree_toml *child = node->first; child; child = child->next) forget_place(child, assignment);
+}
+
+/* There is no such part of a table, or of an array of tables, which go by their names. */
+static void miss(struct parser *p, const struct scree_toml *node, const char *part) {
+    enum { MOST = 256 };
+    const char *names[MOST + 1] = {0};
+    int count = 0;
+    for (const struct scree_toml *child = node->first; child && count < MOST; child = child->next) {
+        const struct scree_toml *name = node->type == SCREE_TOML_ARRAY ? scree_toml_get(child, "name") : NULL;
+        const char *called = name && name->type == SCREE_TOML_STRING ? name->string : child->key;
+        if (called) names[count++] = called;
+    }
+    complain_at(p, 0, 0, "there is no \"%s\" in this scene%s", part, scree_hint(part, names).text);
 }
 
 scree_status scree_toml_set(struct scree_toml_document *document, const char *assignment, scree_trouble *trouble) {
@@ -659,12 +675,12 @@ scree_status scree_toml_set(struct scree_toml_document *document, const char *as
     if (!p.status && peek(&p) >= 0) complain_at(&p, 0, 0, "something follows the value");
     for (int k = 0; k + 1 < count && !p.status; k++) {
         struct scree_toml *child = step_into(node, parts[k]);
-        if (!child) complain_at(&p, 0, 0, "there is no \"%s\" in this scene", parts[k]);
+        if (!child) miss(&p, node, parts[k]);
         node = child;
     }
     if (p.status) return p.status;
     struct scree_toml *known = step_into(node, parts[count - 1]);
-    forget_place(value);
+    forget_place(value, assignment);
     if (known) {
         /* In place of the old value, with its place among its siblings. */
         value->next = known->next;
@@ -672,9 +688,10 @@ scree_status scree_toml_set(struct scree_toml_document *document, const char *as
         *known = *value;
         return SCREE_OK;
     }
-    if (node->type != SCREE_TOML_TABLE)
-        return complain_at(&p, 0, 0, "there is no \"%s\" in this scene", parts[count - 1]);
-    add_child(&p, node, parts[count - 1], value);
+    if (node->type == SCREE_TOML_TABLE)
+        add_child(&p, node, parts[count - 1], value);
+    else
+        miss(&p, node, parts[count - 1]);
     return p.status;
 }
 

@@ -21,6 +21,8 @@ enum scree_toml_type {
 struct scree_toml {
     enum scree_toml_type type;
     int line, column;   /* where it stands, from 1; 0: it doesn't come from the file */
+    int key_column;     /* where the key before it begins, 0: there is none */
+    const char *set;    /* the assignment that it comes from, the caller's; NULL: it comes from the file */
     const char *key;    /* in a table: its name there; else NULL */
     const char *string; /* STRING */
     double number;      /* INTEGER, FLOAT, BOOLEAN (0 or 1) */
