@@ -197,8 +197,7 @@ static int is_moved_sphere(const scree_scene *scene, int k) {
     return kind->shape.kind == SCREE_SPHERE && scree_joint_can_move(&kind->joint);
 }
 
-/* The spheres that forces move, as [[spheres]] reads them; their masses, unless the materials' densities say them all.
- */
+/* The spheres that forces move, as [[spheres]] reads them; with masses, unless densities say them all. */
 static scree_status finish_spheres(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
     if (!(output->request->write & SCREE_WRITE_SPHERES)) return SCREE_OK;
     scree_status status = open_one(output, &output->spheres, "spheres.csv", "name,x_m,y_m,z_m,radius_m", trouble);

@@ -473,6 +473,9 @@ check 'threads change nothing' 0 'written to' plan "$transport/bars.toml" --thre
     --set map.to=320 --set curves.count=3 --set curves.from=400
 expect 'the same table' cmp "$work/first.csv" "$work/plan/servo_500.csv"
 check 'a rigid plan' 0 'times chosen at 800' plan "$transport/rigid.toml"
+# Plans of formulation A for all speeds are one plan, scaled: two knots do, whatever the process model makes of them.
+check 'a map of rigid plans' 0 'map: 2 knots' plan "$transport/bars.toml" --set 'plan.formulation="A"' --set 'plan.speeds=[500]' \
+    --set curves.count=2 --set curves.from=400 --set model.step=2e-5
 check 'too slow for a plan' 1 'no plan: after the catch the comb brakes too softly' plan "$transport/bars.toml" --set 'plan.speeds=[90]' \
     --set map.to=310 --set curves.count=2 --set curves.from=400
 bad_plan() { check "$1" 2 "$2" plan "$transport/bars.toml" --set "$3"; }
