@@ -90,7 +90,7 @@ int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double 
         if (bodies->class[k] == SCREE_CLASS_BALL) {
             double square =
                 scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
-                                      scree_row_of(gravity));
+                                      scree_row_of(gravity), scree_flight_row(bodies, k));
             too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
         } else if (bodies->class[k] == SCREE_CLASS_GENERAL) {
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);

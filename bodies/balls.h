@@ -11,6 +11,12 @@ typedef long long scree_bits __attribute__((vector_size(32), aligned(8), may_ali
 static inline scree_row scree_row_of(const double a[3]) { return (scree_row){a[0], a[1], a[2], 0.0}; }
 static inline scree_row scree_row_times(double s, scree_row a) { return (scree_row){s, s, s, s} * a; }
 
+/* The flight of a body, off which its path counts. */
+static inline const float *scree_flight_row(const struct scree_bodies *bodies, int k) {
+    static const float still[4] = {0.0F, 0.0F, 0.0F, 0.0F};
+    return bodies->flight ? bodies->flight[k] : still;
+}
+
 /* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
  * half a step from now: then the path says so too. Written so that a NaN counts as too far. */
 static inline int scree_outgrown(struct scree_record *record, double way, double margin) {
@@ -21,6 +27,8 @@ static inline int scree_outgrown(struct scree_record *record, double way, double
 }
 
 #ifdef __AVX__
+typedef float scree_floats __attribute__((vector_size(16), aligned(4), may_alias));
+
 /* The first three numbers of `a`, the fourth of `old`. */
 static inline void scree_row_put(scree_row a, double *old) {
     const scree_bits three = {-1, -1, -1, 0};
@@ -66,11 +74,11 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
 }
 
 /* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. Returns the square of the
- * speed, with which the path has yet to grow: roots are taken for many balls at once. */
+ * speed off its flight, with which the path has yet to grow: roots are taken for many balls at once. */
 static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows state, double step,
-                                           scree_row gravity) {
+                                           scree_row gravity, const float *flight) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};
-    scree_row square = state.v * state.v;
+    scree_row off = state.v - __builtin_convertvector(*(const scree_floats *)flight, scree_row), square = off * off;
     scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
     scree_row ahead = state.l + scree_row_times(0.5, *t);
     scree_row_put(state.x + scree_row_times(0.5 * step, state.v), record->x);
@@ -110,17 +118,19 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
 }
 
 static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows rows, double step,
-                                           scree_row gravity) {
+                                           scree_row gravity, const float *flight) {
     const struct scree_state *state = rows.state;
     const double *v = state->v;
+    double square = 0.0;
     for (int k = 0; k < 3; k++) {
         double kick = record->inverse_mass * record->f[k] + step * gravity[k];
         record->x[k] = rows.x[k] + 0.5 * step * v[k];
         record->v[k] = v[k] + 0.5 * kick;
         record->w[k] = state->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
         record->f[k] = record->t[k] = 0.0;
+        square += (v[k] - (double)flight[k]) * (v[k] - (double)flight[k]);
     }
-    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    return square;
 }
 #endif
 

@@ -40,6 +40,7 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
     scree_memory_free(bodies->record);
     scree_memory_free(bodies->state);
+    scree_memory_free(bodies->flight);
     scree_memory_free(bodies->position);
     scree_memory_free(bodies->class);
     scree_memory_free(bodies->kind_of);

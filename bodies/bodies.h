@@ -26,7 +26,7 @@ struct scree_record {
     double x[3], radius;       /* centre, m; radius of the ball at the centre or at each corner, m */
     double v[3], inverse_mass; /* m/s; 1/kg, 0 if forces can't move the centre */
     double w[3], limit;        /* spin, rad/s; largest tolerable overlap, m */
-    double f[3], path;         /* impulse of the step, N s; way since the last list, and what that list lacked, m */
+    double f[3], path;         /* impulse of the step, N s; way off its flight since the last list, m */
     double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
 };
 
@@ -109,6 +109,7 @@ struct scree_bodies {
     signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
     struct scree_state *state;
+    float (*flight)[4];    /* velocity off which `path` counts, m/s (contact/flight.c); NULL: zero */
     double (*position)[3]; /* at the end of the last step, m; not of members that hurry on to the next one */
     unsigned char *class;  /* enum scree_body_class */
     int *kind_of;          /* row in `kind`: see scree_kind_of */

@@ -200,8 +200,9 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] != SCREE_CLASS_BALL) continue;
         look_at_ball(bodies, k, step, gravity, fall, &now->record[k]);
-        double square = scree_ball_look_ahead(
-            &bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step, scree_row_of(gravity));
+        double square =
+            scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
+                                  scree_row_of(gravity), scree_flight_row(bodies, k));
         if (scree_outgrown(&bodies->record[k], step * sqrt(square), margin))
             __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
     }

@@ -206,6 +206,7 @@ int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bo
     if (bodies->order.slabs) act_slabs(&all, threads);
     int too_far = 0;
     for (int s = 1; s <= bodies->order.slabs; s++) too_far |= contacts->tally[s].too_far;
+    contacts->flights.flown += step;
     return too_far;
 }
 

@@ -31,9 +31,9 @@ struct grids {
     unsigned char *level;
 };
 
-/* Radius within which a body is looked for, and looks for others, half of the skin included. */
+/* Radius within which a body is looked for, and looks for others, half of the skin and its flight included. */
 static double reach_of(const struct scree_contacts *contacts, const struct scree_record *record) {
-    return record->bound + 0.5 * contacts->skin;
+    return record->bound + 0.5 * contacts->skin + contacts->flights.sweep;
 }
 
 static int is_bounded(const struct scree_bodies *bodies, int k) {
@@ -139,9 +139,10 @@ static void fill_cells(const struct scree_bodies *bodies, struct grids *grids) {
 static int bounds_meet(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     double left = scree_left_of(contacts, bodies, i, j);
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
+    struct vec flown = scree_flown(contacts, bodies, i, j);
     if (!is_bounded(bodies, i)) {
         const struct mat *frame = &scree_attitude_of(bodies, i)->frame;
-        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left;
+        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left + vec_norm(flown);
     }
     double reach = a->bound + b->bound + left;
     double apart[3];
@@ -149,7 +150,11 @@ static int bounds_meet(const struct scree_contacts *contacts, const struct scree
         apart[axis] = a->x[axis] - b->x[axis];
         apart[axis] -= bodies->period[axis] * scree_periods_in(bodies, apart[axis], axis);
     }
-    return vec_norm2(vec_from(apart)) <= reach * reach;
+    if (bodies->periodic) { /* the image that comes nearest may be another one than that which is nearest now */
+        reach += vec_norm(flown);
+        flown = vec(0.0, 0.0, 0.0);
+    }
+    return scree_nearest2(vec_from(apart), flown) <= reach * reach;
 }
 
 /* What looks for partners, and where it puts what it finds; bodies in the cells of the one that looks are weighed many

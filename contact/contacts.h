@@ -280,6 +280,16 @@ struct scree_rest {
     struct scree_borderer *border;
 };
 
+/* Lists where bodies fly (flight.c). */
+struct scree_flights {
+    double sweep;  /* the most that a flight leads away from the mean one until outer lists are made anew, m */
+    double wander; /* m/s, off their flights at the end of the last ones, on the mean */
+    double ahead;  /* s that the list being made looks ahead */
+    double flown;  /* s since outer lists were made; */
+    double until;  /* when near lists must be made anew, */
+    double last;   /* and outer ones */
+};
+
 struct scree_contacts {
     const struct scree_loop *loop, *loop_for_few; /* for this processor */
     int materials;
@@ -310,6 +320,7 @@ struct scree_contacts {
     float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
+    struct scree_flights flights;
     struct scree_space boxes;
     int box_pairs;
     int broken;    /* for lack of memory lists are incomplete: all must be made before contacts are looked at */
@@ -525,6 +536,34 @@ static inline double scree_left_of(const struct scree_contacts *contacts, const 
                                    int j) {
     double half = 0.5 * contacts->skin;
     return (half - bodies->record[i].path) + (half - bodies->record[j].path);
+}
+
+static inline struct vec scree_flight_of(const struct scree_bodies *bodies, int k) {
+    const float *u = bodies->flight ? bodies->flight[k] : NULL;
+    return u ? vec((double)u[0], (double)u[1], (double)u[2]) : vec(0.0, 0.0, 0.0);
+}
+
+/* The way that flights lead body i relative to body j within the time that the list being made looks ahead, m. */
+static inline struct vec scree_flown(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i,
+                                     int j) {
+    if (!bodies->flight) return vec(0.0, 0.0, 0.0);
+    return vec_scale(contacts->flights.ahead, vec_sub(scree_flight_of(bodies, i), scree_flight_of(bodies, j)));
+}
+
+/* The square of the least distance on the way, from `apart` on. */
+static inline double scree_nearest2(struct vec apart, struct vec way) {
+    double share = -vec_dot(apart, way) / (vec_norm2(way) + 1e-300);
+    share = share < 1.0 ? share : 1.0;
+    return vec_norm2(vec_axpy(apart, share > 0.0 ? share : 0.0, way));
+}
+
+/* For outer lists that are about to be made: give bodies flights if they are `many` and fast. SCREE_NO_MEMORY. */
+scree_status scree_flights_choose(struct scree_contacts *contacts, struct scree_bodies *bodies, int many,
+                                  scree_trouble *trouble);
+
+/* Whether bodies have flown farther, with the next step, than near lists have looked ahead. */
+static inline int scree_flights_over(const struct scree_contacts *contacts) {
+    return contacts->flights.flown + contacts->step > contacts->flights.until;
 }
 
 /* The gap between a ball and its partner, as far as lists need it: exact while it is below `way`. What is above it

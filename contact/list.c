@@ -6,11 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a body in a step, m; on the mean of some thousands of them. */
+/* A body's speed off its flight, m/s: at once, or soon. */
+static double speed_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
+    double off = vec_norm(vec_sub(vec_from(bodies->record[k].v), scree_flight_of(bodies, k)));
+    return bodies->class[k] == SCREE_CLASS_BALL ? fmax(off, contacts->flights.wander) : off;
+}
+
+/* Of a body in a step off its flight, m; on the mean of some thousands of them. */
 static double mean_way(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     int first = bodies->order.members, stride = 1 + (bodies->count - first) / 4096, some = 0;
     double way = 0.0;
-    for (int k = first; k < bodies->count; k += stride, some++) way += vec_norm(vec_from(bodies->record[k].v));
+    for (int k = first; k < bodies->count; k += stride, some++) way += speed_of(contacts, bodies, k);
     return way * contacts->step / some;
 }
 
@@ -126,7 +132,7 @@ static void take_balls(struct scree_contacts *contacts, const struct scree_bodie
     struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
     int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
     int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
-    double left = scree_left_of(contacts, bodies, ball, host);
+    double left = scree_left_of(contacts, bodies, ball, host) + vec_norm(scree_flown(contacts, bodies, ball, host));
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
@@ -174,8 +180,8 @@ static void take_image(struct scree_contacts *contacts, const struct scree_bodie
     int off = periods[0] != 0 || periods[1] != 0 || periods[2] != 0;
     struct scree_contact contact = {ball, host, off ? scree_code_of(periods) : 0};
     enum scree_geometry geometry = off ? SCREE_BALL_IMAGE : SCREE_BALL_BALL;
-    double gap =
-        vec_norm(scree_apart(bodies, &contact, geometry)) - bodies->record[ball].radius - bodies->record[host].radius;
+    struct vec apart = scree_apart(bodies, &contact, geometry), flown = scree_flown(contacts, bodies, ball, host);
+    double gap = sqrt(scree_nearest2(apart, flown)) - bodies->record[ball].radius - bodies->record[host].radius;
     if (gap <= scree_left_of(contacts, bodies, ball, host))
         take(bodies, scree_batch_for(contacts, rule, geometry), &contact, pass);
 }
@@ -184,7 +190,7 @@ static void take_image(struct scree_contacts *contacts, const struct scree_bodie
 static void take_images(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_rule *rule, int ball, int host, int pass) {
     const struct scree_record *a = &bodies->record[ball], *b = &bodies->record[host];
-    double reach = a->radius + b->radius + scree_left_of(contacts, bodies, ball, host);
+    double reach = a->radius + b->radius + scree_left_of(contacts, bodies, ball, host) + 2.0 * contacts->flights.sweep;
     int first[3], last[3], periods[3];
     for (int axis = 0; axis < 3; axis++) {
         double period = bodies->period[axis], most = SCREE_MOST_PERIODS - 1;
@@ -334,7 +340,7 @@ static void limit_margins(struct scree_contacts *contacts, const struct scree_bo
 static double way_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
     const struct scree_record *record = &bodies->record[k];
     double lever = scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound;
-    return contacts->step * (vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * lever);
+    return contacts->step * (speed_of(contacts, bodies, k) + vec_norm(vec_from(record->w)) * lever);
 }
 
 /* Before an outer list: all that its bodies may go until the next one is half the skin, path 0. Where bodies are many,
@@ -379,6 +385,14 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
     return 1;
 }
 
+/* Where bodies fly, near lists look ahead over as many steps as margins are to last. */
+static void look_forward(struct scree_contacts *contacts, const struct scree_bodies *bodies, double steps) {
+    struct scree_flights *flights = &contacts->flights;
+    if (!bodies->flight) return;
+    flights->until = fmin(flights->flown + steps * contacts->step, flights->last);
+    flights->ahead = flights->until - flights->flown;
+}
+
 /* Margins after an outer list. */
 static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double half = 0.5 * contacts->skin, steps = 0.0;
@@ -386,6 +400,7 @@ static void grant_all(struct scree_contacts *contacts, const struct scree_bodies
         steps = steps_ahead(contacts, bodies);
     else
         limit_margins(contacts, bodies);
+    look_forward(contacts, bodies, steps);
     for (int k = 0; k < bodies->count; k++) {
         int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
         contacts->spare[k] = at_most(half - bodies->record[k].path);
@@ -482,8 +497,10 @@ static scree_status set_common_constants(const struct scree_contacts *contacts, 
 
 static scree_status make_lists(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                scree_trouble *trouble) {
+    scree_status status = scree_flights_choose(contacts, bodies, are_many(contacts, bodies), trouble);
+    if (status) return status;
     widen_margins(contacts, bodies);
-    scree_status status = scree_candidates(contacts, bodies, threads, trouble);
+    status = scree_candidates(contacts, bodies, threads, trouble);
     if (status) return status;
     take_all(contacts, bodies, threads, 0);
     status = make_room(contacts, bodies, trouble);
@@ -531,11 +548,13 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin, last = 0.0;
-    if (contacts->broken) return scree_contacts_list(contacts, bodies, threads, trouble);
+    if (contacts->broken || contacts->flights.flown + 2.0 * contacts->step > contacts->flights.last)
+        return scree_contacts_list(contacts, bodies, threads, trouble);
     if (are_many(contacts, bodies))
         last = steps_ahead(contacts, bodies);
     else
         limit_margins(contacts, bodies);
+    look_forward(contacts, bodies, last);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         /* What is left of its margin, or what it went beyond. */

@@ -609,7 +609,7 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
         struct scree_state *state = &bodies->state[from + k];
         struct scree_ball_rows rows = scree_ball_advance(record, state, go->step, gravity);
         if (go->ahead)
-            square[k] = scree_ball_look_ahead(record, rows, go->step, next);
+            square[k] = scree_ball_look_ahead(record, rows, go->step, next, scree_flight_row(bodies, from + k));
         else
             scree_ball_stay(rows, bodies->position[from + k]);
     }

@@ -179,23 +179,31 @@ static int sees_edges(struct sight *sight, const struct scree_bodies *bodies, co
 }
 
 /* Whether a contact may touch before its bodies have gone `left`, both together. */
-static int is_near(const struct scree_bodies *bodies, const struct scree_batch *batch,
-                   const struct scree_contact *contact, double left, struct sight *sight) {
+static int is_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                   const struct scree_batch *batch, const struct scree_contact *contact, double left,
+                   struct sight *sight) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    struct vec flown = scree_flown(contacts, bodies, contact->ball, contact->host);
     if (batch->geometry == SCREE_EDGE_EDGE) return sees_edges(sight, bodies, contact, left);
     if (batch->geometry == SCREE_BALL_IMAGE)
-        return vec_norm(scree_apart(bodies, contact, SCREE_BALL_IMAGE)) - ball->radius - host->radius <= left;
+        return sqrt(scree_nearest2(scree_apart(bodies, contact, SCREE_BALL_IMAGE), flown)) - ball->radius -
+                   host->radius <=
+               left;
+    left += vec_norm(flown);
     int boxes = batch->geometry == SCREE_BALL_BOX && contact->corner > 0;
     if (boxes) look_at(sight, bodies, contact, 0, left);
     return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
 }
 
 /* The same of two spheres, without a root. */
-static inline int are_near(const struct scree_bodies *bodies, const struct scree_contact *contact, double left) {
+static inline int are_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                           const struct scree_contact *contact, double left) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    double reach = ball->radius + host->radius + left, x = ball->x[0] - host->x[0], y = ball->x[1] - host->x[1];
-    double z = ball->x[2] - host->x[2];
-    return !(x * x + y * y + z * z > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
+    double reach = ball->radius + host->radius + left;
+    struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
+    double square = vec_norm2(apart);
+    if (bodies->flight) square = scree_nearest2(apart, scree_flown(contacts, bodies, contact->ball, contact->host));
+    return !(square > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
 }
 
 /* Some contacts of a segment's outer list, and which of them are near. Chance decides that: so nothing branches on it.
@@ -234,9 +242,9 @@ static void look_over(const struct scree_contacts *contacts, const struct scree_
         const struct scree_contact *one = &view->contact[k];
         double left = scree_left_of(contacts, bodies, one->ball, one->host);
         if (batch->geometry == SCREE_BALL_BALL && one->corner == 0)
-            view->near[k] = (unsigned char)are_near(bodies, one, left);
+            view->near[k] = (unsigned char)are_near(contacts, bodies, one, left);
         else
-            view->near[k] = (unsigned char)is_near(bodies, batch, one, left, sight);
+            view->near[k] = (unsigned char)is_near(contacts, bodies, batch, one, left, sight);
     }
 }
 

@@ -263,7 +263,7 @@ void scree_rest_wake(struct scree_contacts *contacts, struct scree_bodies *bodie
         wake(contacts, bodies, k, step, gravity);
         if (ahead && bodies->slab[k] >= 0) /* as all members are already */
             scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
-                                  scree_row_of(gravity));
+                                  scree_row_of(gravity), scree_flight_row(bodies, k));
     }
 }
 

@@ -143,7 +143,7 @@ static int look_ahead(scree_scene *scene, const double gravity[3]) {
     if (scene->waits) return 1;
     int count = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
     scene->ahead = 0;
-    too_far |= scene->contacts.broken;
+    too_far |= scene->contacts.broken | scree_flights_over(&scene->contacts);
     return too_far | scree_bodies_look_ahead_some(bodies, count, scree_scene_time(scene), scene->step, gravity,
                                                   0.5 * scene->contacts.skin);
 }
