@@ -121,16 +121,15 @@ static inline double scree_ball_look_ahead(struct scree_record *record, struct s
                                            scree_row gravity, const float *flight) {
     const struct scree_state *state = rows.state;
     const double *v = state->v;
-    double square = 0.0;
     for (int k = 0; k < 3; k++) {
         double kick = record->inverse_mass * record->f[k] + step * gravity[k];
         record->x[k] = rows.x[k] + 0.5 * step * v[k];
         record->v[k] = v[k] + 0.5 * kick;
         record->w[k] = state->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
         record->f[k] = record->t[k] = 0.0;
-        square += (v[k] - (double)flight[k]) * (v[k] - (double)flight[k]);
     }
-    return square;
+    double x = v[0] - (double)flight[0], y = v[1] - (double)flight[1], z = v[2] - (double)flight[2];
+    return x * x + y * y + z * z;
 }
 #endif
 

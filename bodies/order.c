@@ -176,6 +176,7 @@ void scree_bodies_permute(struct scree_bodies *bodies, int *from) {
         {bodies->position, sizeof *bodies->position}, {bodies->class, sizeof *bodies->class},
         {bodies->kind_of, sizeof *bodies->kind_of},   {bodies->past, sizeof *bodies->past},
         {bodies->number, sizeof *bodies->number},     {bodies->calm, sizeof *bodies->calm},
+        {bodies->flight, sizeof *bodies->flight},
     };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         scree_permute(arrays[k].array, arrays[k].size, from, count);

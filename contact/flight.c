@@ -49,13 +49,14 @@ static struct vec course_of(const struct scree_bodies *bodies, int k, struct vec
 
 /* The faster flights lead apart, the shorter outer lists look ahead; what doesn't fly is off the mean velocity by as
  * much as that is off zero. */
-static void set_out(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct swarm *swarm, int flew) {
+static void set_out(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct swarm *swarm,
+                    double wander) {
     struct vec mean = swarm->velocity;
     double sweep = fmin(0.5 * contacts->skin, contacts->most_margin), most = 2.0 * swarm->apart;
     if (any_grounded(bodies)) most = fmax(most, vec_norm(mean));
     double last = fmin(sweep / most, MOST_STEPS * contacts->step);
     contacts->flights = (struct scree_flights){.sweep = most * last * (1.0 + 1e-6), /* flights are rounded */
-                                               .wander = flew ? swarm->off : 0.25 * swarm->apart,
+                                               .wander = wander,
                                                .ahead = last,
                                                .last = last};
     for (int k = 0; k < bodies->count; k++) {
@@ -66,6 +67,12 @@ static void set_out(struct scree_contacts *contacts, struct scree_bodies *bodies
     }
 }
 
+/* How far off their flights bodies are to be expected soon, m/s: as at the end of the last ones, if those were long. */
+static double wander_of(const struct scree_flights *last, const struct swarm *swarm, int flew) {
+    if (!flew) return 0.25 * swarm->apart;
+    return last->flown > 0.25 * last->last ? swarm->off : last->wander;
+}
+
 /* Bodies that hardly move need no flights: their margins are near the least (list.c). Those that may fall asleep can't
  * stay on them. */
 scree_status scree_flights_choose(struct scree_contacts *contacts, struct scree_bodies *bodies, int many,
@@ -73,6 +80,7 @@ scree_status scree_flights_choose(struct scree_contacts *contacts, struct scree_
     struct swarm swarm = {.speed = 0.0};
     int flew = bodies->flight != NULL;
     if (many && !bodies->calm && !bodies->past) swarm = survey(bodies);
+    double wander = wander_of(&contacts->flights, &swarm, flew);
     contacts->flights = (struct scree_flights){.until = HUGE_VAL, .last = HUGE_VAL};
     if (!(swarm.speed * contacts->step > contacts->skin / 8000.0 && isfinite(swarm.apart))) {
         scree_memory_free(bodies->flight);
@@ -82,6 +90,6 @@ scree_status scree_flights_choose(struct scree_contacts *contacts, struct scree_
     if (!flew) bodies->flight = scree_memory((size_t)bodies->count * sizeof *bodies->flight);
     if (!bodies->flight)
         return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for lists of %d bodies", bodies->count);
-    set_out(contacts, bodies, &swarm, flew);
+    set_out(contacts, bodies, &swarm, wander);
     return SCREE_OK;
 }
