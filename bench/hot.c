@@ -257,6 +257,10 @@ static void run(const struct request *request) {
     scree_scene *scene = make_bed(&bed, request, start);
     free(start);
     int bodies = scree_scene_bodies(scene) - WALLS;
+    bench_describe_machine();
+    printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"
+           "contact_step_ns,near_lists,near_list_ns,outer_lists,outer_list_ns,bytes_per_body,hash\n");
+    fflush(stdout);
     bench_step(scene, request->settle);
     if (request->write) write_bed(scene, request->write);
     long lists = scene->contacts.rebuilds, renewals = scene->contacts.renewals, listed = 0;
@@ -311,9 +315,6 @@ int bench_hot(int count, char **words) {
     if (!request.bodies || !request.tiles || !request.threads || !request.steps || !request.repeats ||
         !request.settle || !request.ratio)
         return EXIT_USAGE;
-    bench_describe_machine();
-    printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"
-           "contact_step_ns,near_lists,near_list_ns,outer_lists,outer_list_ns,bytes_per_body,hash\n");
     run(&request);
     return EXIT_GOOD;
 }
