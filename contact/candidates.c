@@ -139,10 +139,10 @@ static void fill_cells(const struct scree_bodies *bodies, struct grids *grids) {
 static int bounds_meet(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     double left = scree_left_of(contacts, bodies, i, j);
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
-    struct vec flown = scree_flown(contacts, bodies, i, j);
     if (!is_bounded(bodies, i)) {
         const struct mat *frame = &scree_attitude_of(bodies, i)->frame;
-        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left + vec_norm(flown);
+        left += vec_norm(scree_flown(contacts, bodies, i, j));
+        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left;
     }
     double reach = a->bound + b->bound + left;
     double apart[3];
@@ -150,11 +150,12 @@ static int bounds_meet(const struct scree_contacts *contacts, const struct scree
         apart[axis] = a->x[axis] - b->x[axis];
         apart[axis] -= bodies->period[axis] * scree_periods_in(bodies, apart[axis], axis);
     }
-    if (bodies->periodic) { /* the image that comes nearest may be another one than that which is nearest now */
-        reach += vec_norm(flown);
-        flown = vec(0.0, 0.0, 0.0);
-    }
-    return scree_nearest2(vec_from(apart), flown) <= reach * reach;
+    double most = reach + 2.0 * contacts->flights.sweep, square = vec_norm2(vec_from(apart));
+    if (!bodies->flight || square > most * most) return square <= most * most;
+    struct vec flown = scree_flown(contacts, bodies, i, j);
+    if (!bodies->periodic) return scree_nearest2(vec_from(apart), flown) <= reach * reach;
+    most = reach + vec_norm(flown); /* the image that comes nearest may be another one than that which is nearest now */
+    return square <= most * most;
 }
 
 /* What looks for partners, and where it puts what it finds; bodies in the cells of the one that looks are weighed many
