@@ -11,12 +11,6 @@ typedef long long scree_bits __attribute__((vector_size(32), aligned(8), may_ali
 static inline scree_row scree_row_of(const double a[3]) { return (scree_row){a[0], a[1], a[2], 0.0}; }
 static inline scree_row scree_row_times(double s, scree_row a) { return (scree_row){s, s, s, s} * a; }
 
-/* The flight of a body, off which its path counts. */
-static inline const float *scree_flight_row(const struct scree_bodies *bodies, int k) {
-    static const float still[4] = {0.0F, 0.0F, 0.0F, 0.0F};
-    return bodies->flight ? bodies->flight[k] : still;
-}
-
 /* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
  * half a step from now: then the path says so too. Written so that a NaN counts as too far. */
 static inline int scree_outgrown(struct scree_record *record, double way, double margin) {

@@ -109,7 +109,7 @@ struct scree_bodies {
     signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
     struct scree_state *state;
-    float (*flight)[4];    /* velocity off which `path` counts, m/s (contact/flight.c); NULL: zero */
+    float (*flight)[4];    /* see scree_flight_row; three of four numbers count (contact/flight.c). NULL: all zero */
     double (*position)[3]; /* at the end of the last step, m; not of members that hurry on to the next one */
     unsigned char *class;  /* enum scree_body_class */
     int *kind_of;          /* row in `kind`: see scree_kind_of */
@@ -130,6 +130,12 @@ struct scree_bodies {
 
 static inline struct scree_kind *scree_kind_of(const struct scree_bodies *bodies, int index) {
     return &bodies->kind[bodies->kind_of[index]];
+}
+
+/* The velocity off which the path of a body counts, m/s. */
+static inline const float *scree_flight_row(const struct scree_bodies *bodies, int index) {
+    static const float still[4] = {0.0F, 0.0F, 0.0F, 0.0F};
+    return bodies->flight ? bodies->flight[index] : still;
 }
 
 /* What a body that sleeps is when it is awake. */
@@ -165,9 +171,9 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*d
 /* Put driven bodies where their motions have them at `time`, and bring every record to the instant of the state. */
 void scree_bodies_start(struct scree_bodies *bodies, double time);
 
-/* Bring the records to time + step/2: predicted velocities there, impulses cleared, `path` lengthened by the way since
- * the last call. Returns 1 if some body's path has outgrown `margin` (or is not a number), so that lists must be made
- * anew, else 0. */
+/* Bring the records to time + step/2: predicted velocities there, impulses cleared, `path` lengthened by the way off
+ * the flight since the last call. Returns 1 if some body's path has outgrown `margin` (or is not a number), so that
+ * lists must be made anew, else 0. */
 int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                             double margin);
 

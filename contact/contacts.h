@@ -539,8 +539,8 @@ static inline double scree_left_of(const struct scree_contacts *contacts, const 
 }
 
 static inline struct vec scree_flight_of(const struct scree_bodies *bodies, int k) {
-    const float *u = bodies->flight ? bodies->flight[k] : NULL;
-    return u ? vec((double)u[0], (double)u[1], (double)u[2]) : vec(0.0, 0.0, 0.0);
+    const float *row = scree_flight_row(bodies, k);
+    return vec((double)row[0], (double)row[1], (double)row[2]);
 }
 
 /* The way that flights lead body i relative to body j within the time that the list being made looks ahead, m. */

@@ -548,8 +548,8 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
     double half = 0.5 * contacts->skin, last = 0.0;
-    if (contacts->broken || contacts->flights.flown + 2.0 * contacts->step > contacts->flights.last)
-        return scree_contacts_list(contacts, bodies, threads, trouble);
+    int over = contacts->flights.flown + 2.0 * contacts->step > contacts->flights.last; /* after the step to come */
+    if (contacts->broken || over) return scree_contacts_list(contacts, bodies, threads, trouble);
     if (are_many(contacts, bodies))
         last = steps_ahead(contacts, bodies);
     else
