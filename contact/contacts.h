@@ -320,9 +320,9 @@ struct scree_contacts {
     float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
-    struct scree_flights flights;
     struct scree_space boxes;
     int box_pairs;
+    struct scree_flights flights;
     int broken;    /* for lack of memory lists are incomplete: all must be made before contacts are looked at */
     long rebuilds; /* of the outer list */
     long renewals; /* of near lists */
@@ -538,6 +538,7 @@ static inline double scree_left_of(const struct scree_contacts *contacts, const 
     return (half - bodies->record[i].path) + (half - bodies->record[j].path);
 }
 
+/* The velocity of a body's flight, m/s. */
 static inline struct vec scree_flight_of(const struct scree_bodies *bodies, int k) {
     const float *row = scree_flight_row(bodies, k);
     return vec((double)row[0], (double)row[1], (double)row[2]);

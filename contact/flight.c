@@ -73,8 +73,9 @@ static double wander_of(const struct scree_flights *last, const struct swarm *sw
     return last->flown > 0.25 * last->last ? swarm->off : last->wander;
 }
 
-/* Bodies that hardly move need no flights: their margins are near the least (list.c). Those that may fall asleep can't
- * stay on them. And pair impulses dismiss what can't touch so soon that a longer list costs less than flights. */
+/* Bodies that hardly move need no flights: their margins are within twice the least (list.c). Those that may fall
+ * asleep can't stay on them. And pair impulses dismiss what can't touch so soon that a longer list costs less than
+ * flights. */
 scree_status scree_flights_choose(struct scree_contacts *contacts, struct scree_bodies *bodies, int many,
                                   scree_trouble *trouble) {
     struct swarm swarm = {.speed = 0.0};
