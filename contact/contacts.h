@@ -72,7 +72,8 @@ struct scree_yield {
     double
         steep[SCREE_LANES]; /* step x slope of the friction law x normal force x softness: friction chatters beyond 1 */
     int silent;             /* only edges on edges: nothing touches, the rest isn't filled in */
-    struct scree_losses lost; /* if measured */
+    double lasts[SCREE_LANES]; /* whether bodies overlap at the end of the step; only of pair impulses */
+    struct scree_losses lost;  /* if measured */
 };
 
 /* What the pair-impulse method yields beside it, and keeps of each contact: the impulse of the last step, N s, and the

@@ -252,6 +252,10 @@ static void put(double column[3][SCREE_LANES], int lane, struct vec a) {
     column[2][lane] = a.z;
 }
 
+static struct vec taken(double column[3][SCREE_LANES], int lane) {
+    return vec(column[0][lane], column[1][lane], column[2][lane]);
+}
+
 static struct vec past_of(const struct scree_batch *batch, int step, int k) {
     double *const *past = batch->past + SCREE_PAST_STEP * step;
     return vec(past[0][k], past[1][k], past[2][k]);
@@ -371,6 +375,24 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
     own[5][k] = touches * s.sliding;
 }
 
+/* The same of a contact of balls, or of one and a plane, that went several at once. */
+static void roll_on(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct place place,
+                    double step) {
+    const struct scree_batch *batch = place.batch;
+    struct scree_contact contact = scree_contact_at(batch, place.index);
+    struct view middle = view_of(bodies, &contact, batch->geometry, &place.pair[1]);
+    struct scree_yield *yield = place.yield;
+    struct vec zero = {0.0, 0.0, 0.0};
+    if (contacts->rule[batch->rule].friction < 0) {
+        put(yield->turn_ball, place.lane, zero);
+        put(yield->turn_host, place.lane, zero);
+    }
+    put(place.moments->turn_ball, place.lane, zero);
+    put(place.moments->turn_host, place.lane, zero);
+    double impulse = vec_dot(taken(yield->impulse, place.lane), middle.normal);
+    roll(contacts, bodies, place, middle, impulse / step, yield->lasts[place.lane] > 0.0, step);
+}
+
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int idle(const struct scree_bodies *bodies, struct place place, double overlap) {
     const struct scree_batch *batch = place.batch;
@@ -487,12 +509,14 @@ static void impel_lanes(const struct scree_contacts *contacts, const struct scre
     yield->silent = 0;
     uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
     for (int lane = 0; lane < count; lane++) {
+        struct place place = {batch, first + lane, lane, yield, moments, pair};
         if (left >> lane & 1) {
-            impel(contacts, bodies, now, (struct place){batch, first + lane, lane, yield, moments, pair}, step);
-        } else if (contacts->measured) {
-            yield->lost.normal[lane] = books[lane].lost;
-            yield->lost.tangential[lane] = books[lane].rubbed;
+            impel(contacts, bodies, now, place, step);
+            continue;
         }
+        yield->lost.normal[lane] = contacts->measured ? books[lane].lost : 0.0;
+        yield->lost.tangential[lane] = contacts->measured ? books[lane].rubbed : 0.0;
+        if (contacts->rule[batch->rule].rolling >= 0) roll_on(contacts, bodies, place, step);
     }
 }
 

@@ -12,19 +12,16 @@
 
 typedef struct scree_normal_force press_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                             struct scree_pressing at);
-typedef struct scree_tangential rub_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                        struct scree_sliding at);
 typedef struct scree_hold hold_law(const struct scree_law_constants *law, struct scree_sliding at);
 typedef double at_overlap(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 
 /* The laws of a pass: constants where it is called, so that each pass is a loop of its own. */
 struct smooth_laws {
     press_law *press;
-    rub_law *rub; /* NULL: no friction */
-    hold_law *hold;
+    hold_law *hold; /* friction is a slider behind a spring and a dashpot (slider.h); NULL: there is none */
     at_overlap *stiffness, *damping;
-    int cut, root, memory;
-    int bare; /* friction is a slider behind a bare spring */
+    int cut, root;
+    int bare; /* the spring has no dashpot beside it */
     int none; /* there is no such pass */
 };
 
@@ -64,7 +61,8 @@ struct course {
 struct stride {
     double time[SCREE_LANES];
     double lasts[2][SCREE_LANES]; /* at its begin and at its end: until contact ends */
-    /* Until a slider that holds breaks loose, N, or one that slides holds, m/s; 1: there is none. */
+    /* Until a slider that holds breaks loose, N, or one that slides holds, N or, of a bare spring, m/s; 1: there is
+     * none. */
     double holds[2][SCREE_LANES];
     double turns[2][SCREE_LANES]; /* until a law that isn't smooth there turns to another formula */
     double d[SCREE_LANES], u[SCREE_LANES], v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES];
@@ -84,13 +82,13 @@ struct stage {
     struct vec v, q, s, force;
     struct vec slip; /* v + (d - start) q */
     double slides;
+    double stiffness, drag, limit; /* of spring and dashpot, N/m, N s/m; with which the slider slides, N */
 };
 
-static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at, double normal, double time) {
-    return (struct scree_sliding){.normal = normal > 0.0 ? normal : 0.0,
+static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at) {
+    return (struct scree_sliding){.normal = at->normal > 0.0 ? at->normal : 0.0,
                                   .overlap = at->d,
                                   .closing = at->u,
-                                  .half = 0.5 * time,
                                   .velocity = at->slip,
                                   .stretch = at->s,
                                   .sliding = at->slides};
@@ -117,34 +115,62 @@ static SCREE_INLINE void press_stage(struct smooth_laws laws, const struct smoot
     at->damping = f.damping;
 }
 
-/* Friction at a stage, whose own memory is cut to what holds there. */
-static SCREE_INLINE void rub_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    struct scree_tangential f = laws.rub(lane->friction, lane->friction_pair, sliding_at(at, at->normal, 0.0));
-    at->force = f.force;
-    if (!laws.memory) return;
-    at->s = f.stretch;
-    at->slides = f.sliding;
+/* What friction is made of at a stage whose overlap and normal force are set. */
+static SCREE_INLINE void brace_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
+    at->stiffness = laws.stiffness(lane->friction, lane->friction_pair, at->d);
+    at->drag = laws.bare ? 0.0 : laws.damping(lane->friction, lane->friction_pair, at->d);
+    at->limit = laws.hold(lane->friction, sliding_at(at)).slides;
 }
 
-/* The same of a slider behind a bare spring: it holds or slides whatever comes, until the step ends where it shouldn't
- * any more. */
-static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    double stiffness = laws.stiffness(lane->friction, lane->friction_pair, at->d), stretch = vec_norm(at->s);
-    double slides = laws.hold(lane->friction, sliding_at(at, at->normal, 0.0)).slides;
-    double slid = slides / (stiffness * stretch + SCREE_NO_SPEED), scale = at->slides > 0.0 ? slid : 1.0;
-    at->s = vec_scale(scale, at->s);
-    at->force = vec_scale(-stiffness, at->s);
+/* What spring and dashpot would bear if the slider held, N. */
+static SCREE_INLINE struct vec trial_at(const struct stage *at) {
+    return vec_axpy(vec_scale(at->stiffness, at->s), at->drag, at->slip);
 }
 
-/* The memory of friction that was that of `from`, after `time` at the velocity and overlap of `at`. */
-static SCREE_INLINE void drag_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *from,
-                                    const struct stage *at, double normal, double time, struct stage *to) {
-    struct scree_sliding sliding = sliding_at(at, normal, time);
-    sliding.stretch = from->s;
-    sliding.sliding = from->slides;
-    struct scree_tangential f = laws.rub(lane->friction, lane->friction_pair, sliding);
-    to->s = f.stretch;
-    to->slides = f.sliding;
+/* Friction at a stage whose stretch is known. A slider holds or slides whatever comes, until the step ends where it
+ * shouldn't any more; a bare spring that slides has the stretch of its force. */
+static SCREE_INLINE void hold_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
+    brace_stage(laws, lane, at);
+    struct vec trial = trial_at(at);
+    double scale = at->slides > 0.0 ? at->limit / (vec_norm(trial) + SCREE_NO_SPEED) : 1.0;
+    at->force = vec_scale(-scale, trial);
+    if (laws.bare) at->s = vec_scale(scale, at->s);
+}
+
+/* Friction at a stage `time` after the first one; its stretch is that of a slider that holds. One that slides does so
+ * along what spring and dashpot would bear,
+ *
+ *   k s + c s' = P,  P = limit (k s + c v)/|k s + c v|
+ *
+ * which is stiff: its rate is k/c, and where there is no dashpot P turns towards v at the rate k v/limit. So s goes by
+ * the approximant of exp(-z) of orders 0 and 2, 1/(1 + z + z^2/2), z = k time/c, with P linear in time; the direction
+ * of P likewise: of second order for any rate. */
+static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *first,
+                                    double time, struct stage *at) {
+    brace_stage(laws, lane, at);
+    const double none = 1e-100; /* m, N, N s/m: divides where there is nothing yet */
+    double own = first->limit + none, reach = own / first->stiffness + at->limit * (1.0 / at->stiffness);
+    double per = 1.0 / (own * reach), turning = -time * per * vec_dot(first->force, at->slip);
+    turning = turning > -0.5 ? turning : -0.5;
+    struct vec goes = vec_axpy(vec_scale(0.5, vec_add(first->slip, at->slip)), turning, at->slip);
+    struct vec pulls = vec_axpy(vec_scale(-0.5 * reach * reach * per, first->force), time, goes), slid, stretch;
+    if (laws.bare) {
+        slid = vec_scale(at->limit / (vec_norm(pulls) + SCREE_NO_SPEED), pulls);
+        stretch = vec_scale(1.0 / at->stiffness, slid);
+    } else {
+        double before = 1.0 / (first->drag + none), after = 1.0 / (at->drag + none);
+        double z = 0.5 * time * (first->stiffness * before + at->stiffness * after), square = z * z;
+        struct vec twice = vec_scale(2.0, first->s);
+        pulls = vec_scale(at->stiffness, vec_axpy(twice, z, pulls));
+        pulls = vec_axpy(pulls, 2.0 * at->drag * (1.0 + z), at->slip);
+        slid = vec_scale(at->limit / (vec_norm(pulls) + SCREE_NO_SPEED), pulls);
+        stretch = vec_axpy(twice, -time * before, first->force);
+        stretch = vec_axpy(stretch, time * after + square * (1.0 / at->stiffness), slid);
+        stretch = vec_scale(1.0 / (2.0 + 2.0 * z + square), stretch);
+    }
+    struct vec held = trial_at(at);
+    at->s = at->slides > 0.0 ? stretch : at->s;
+    at->force = vec_scale(-1.0, at->slides > 0.0 ? slid : held);
 }
 
 /* The stage that follows from the rates of `at`. */
@@ -155,19 +181,14 @@ static SCREE_INLINE struct stage go_stage(struct smooth_laws laws, const struct 
     to.d = first->d + time * at->u;
     to.u = first->u + time * (m->closing[k] - m->give[k] * at->normal);
     press_stage(laws, lane, &to);
-    if (!laws.rub) return to;
+    if (!laws.hold) return to;
     struct vec aside = vec(m->aside[0][k], m->aside[1][k], m->aside[2][k]);
     double shorter = 0.5 * (at->d - m->start[k]);
     to.v = vec_axpy(first->v, time, vec_axpy(aside, m->give_aside[k] - shorter * m->lever[0][k], at->force));
     to.q = vec_axpy(first->q, -0.5 * time * (m->lever[0][k] - shorter * m->lever[1][k]), at->force);
     to.slip = vec_axpy(to.v, to.d - m->start[k], to.q);
-    if (laws.bare) {
-        to.s = vec_axpy(first->s, time, at->slip);
-        grip_stage(laws, lane, &to);
-        return to;
-    }
-    if (laws.memory) drag_stage(laws, lane, first, at, to.normal, time, &to);
-    rub_stage(laws, lane, &to);
+    to.s = vec_axpy(first->s, time, at->slip);
+    grip_stage(laws, lane, first, time, &to);
     return to;
 }
 
@@ -175,27 +196,19 @@ static SCREE_INLINE struct stage go_stage(struct smooth_laws laws, const struct 
 static SCREE_INLINE void finish_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *a,
                                       const struct stage *b, const struct stage *c, const struct stage *d, double time,
                                       struct stage *end) {
-    struct stage mean = *c;
-    mean.u = (a->u + 2.0 * (b->u + c->u) + d->u) / 6.0;
-    mean.slip = vec_scale(1.0 / 6.0, vec_axpy(vec_add(a->slip, d->slip), 2.0, vec_add(b->slip, c->slip)));
-    if (laws.bare) {
-        end->s = vec_axpy(a->s, time, mean.slip);
-        grip_stage(laws, lane, end);
-    } else if (laws.memory) {
-        drag_stage(laws, lane, a, &mean, c->normal, time, end);
-    }
+    struct vec inner = vec_add(b->slip, c->slip), slip = vec_axpy(vec_add(a->slip, d->slip), 2.0, inner);
+    end->s = vec_axpy(a->s, time * (1.0 / 6.0), slip);
+    grip_stage(laws, lane, a, time, end);
 }
 
 /* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular
- * frequency w errs by about (w h)^3/60 times the change of acceleration x h from the first stage to the second. With a
- * dashpot behind it, what slides keeps its two: its memory is of lower order. */
-static SCREE_INLINE double coarse_at(struct smooth_laws laws, const struct smooth_lane *lane, const struct motion *m,
-                                     int k, const struct stage *a, const struct stage *b, const struct stage *c,
-                                     const struct stage *d, const struct stage *end, double time) {
+ * frequency w errs by about (w h)^3/60 times the change of acceleration x h from the first stage to the second. */
+static SCREE_INLINE double coarse_at(const struct motion *m, int k, const struct stage *a, const struct stage *b,
+                                     const struct stage *c, double time) {
     const double tolerance = 60.0 * 1e-7;
     double damped = m->rate[k] * time, deep = a->d + SCREE_NO_SPEED;
     double stiff = time * time * (m->give[k] * 1.5 * fabs(a->normal) / deep);
-    double across = time * time * m->give_aside[k] * laws.stiffness(lane->friction, lane->friction_pair, a->d);
+    double across = time * time * m->give_aside[k] * a->stiffness;
     stiff = across > stiff ? across : stiff;
     stiff = damped * damped > stiff ? damped * damped : stiff;
     double first = time * m->give[k] * (b->normal - a->normal), then = time * m->give[k] * (c->normal - b->normal);
@@ -203,10 +216,7 @@ static SCREE_INLINE double coarse_at(struct smooth_laws laws, const struct smoot
                     time * time * m->give_aside[k] * m->give_aside[k] *
                         (vec_norm2(vec_sub(b->force, a->force)) + vec_norm2(vec_sub(c->force, b->force)));
     double speed = a->u * a->u + vec_norm2(a->slip) + a->d * a->d * (stiff / (time * time));
-    int fine = stiff * stiff * stiff * change <= tolerance * tolerance * speed;
-    double slides = a->slides + b->slides + c->slides + d->slides + end->slides;
-    if (!laws.bare) fine &= !(slides > 0.0);
-    return fine ? 0.0 : 1.0;
+    return stiff * stiff * stiff * change <= tolerance * tolerance * speed ? 0.0 : 1.0;
 }
 
 /* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than
@@ -217,22 +227,18 @@ static SCREE_INLINE double lasts_at(struct smooth_laws laws, double give, double
     return at->d > 0.0 ? within : beyond;
 }
 
-/* What a slider that holds could still bear, N; by how much faster (m/s) one that slides is dragged than the stretch
- * grows that its load allows. */
+/* What a slider that holds could still bear, N; by how much more (N) one that slides would have to bear if it held; the
+ * force of a bare spring can't be more than what it slides with: by how much faster (m/s) it is dragged than the
+ * stretch grows that its load allows. */
 static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth_lane *lane, const struct motion *m,
                                     int k, double step, const struct stage *at) {
-    if (!laws.bare) return 1.0;
+    double bears = vec_norm(trial_at(at)), left = laws.hold(lane->friction, sliding_at(at)).holds - bears;
+    if (!laws.bare) return at->slides > 0.0 ? bears - at->limit : left;
     const double soon = 1e-5 * step;
     struct stage next = {.d = at->d + soon * at->u, .u = at->u + soon * (m->closing[k] - m->give[k] * at->normal)};
-    struct scree_sliding sliding = sliding_at(at, at->normal, 0.0);
-    sliding.sliding = 0.0;
-    struct scree_hold hold = laws.hold(lane->friction, sliding);
-    double stiffness = laws.stiffness(lane->friction, lane->friction_pair, at->d);
-    double left = hold.holds - stiffness * vec_norm(at->s);
     press_stage(laws, lane, &next);
-    double allowed = laws.hold(lane->friction, sliding_at(&next, next.normal, 0.0)).slides /
-                     laws.stiffness(lane->friction, lane->friction_pair, next.d);
-    double growth = (allowed - hold.slides / stiffness) / soon;
+    brace_stage(laws, lane, &next);
+    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / soon;
     struct vec towards = vec_axpy(at->s, 1e-12 * step, at->slip); /* nothing is stretched yet at the very begin */
     double dragged = vec_dot(at->slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED);
     return at->slides > 0.0 ? dragged - growth : left;
@@ -246,19 +252,16 @@ static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_r
     double time = to->time[k];
     press_stage(laws, &lane, &first);
     to->lasts[0][k] = lasts_at(laws, m->give[k], step, &first);
-    to->turns[0][k] = laws.rub ? first.normal : first.u; /* friction ends where a contact begins to pull */
+    to->turns[0][k] = laws.hold ? first.normal : first.u; /* friction ends where a contact begins to pull */
     to->holds[0][k] = 1.0;
-    if (laws.rub) {
+    if (laws.hold) {
         first.v = get(c->v, k);
         first.q = get(c->q, k);
         first.slip = vec_axpy(first.v, first.d - m->start[k], first.q);
         first.s = get(c->s, k);
         first.slides = c->slides[k];
-        if (laws.bare)
-            grip_stage(laws, &lane, &first);
-        else
-            rub_stage(laws, &lane, &first);
-        to->holds[0][k] = holds_at(laws, &lane, m, k, step, &first);
+        hold_stage(laws, &lane, &first);
+        to->holds[0][k] = holds_at(laws, &lane, m, k, step, &first) + (laws.bare ? 0.0 : 1e-9 * first.limit);
     }
     struct stage second = go_stage(laws, &lane, m, k, &first, &first, 0.5 * time);
     struct stage third = go_stage(laws, &lane, m, k, &first, &second, 0.5 * time);
@@ -275,10 +278,10 @@ static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_r
     to->u[k] = end.u;
     press_stage(laws, &lane, &end);
     to->lasts[1][k] = lasts_at(laws, m->give[k], step, &end);
-    to->turns[1][k] = laws.rub ? end.normal : end.u;
+    to->turns[1][k] = laws.hold ? end.normal : end.u;
     to->holds[1][k] = 1.0;
     to->coarse[k] = 0.0;
-    if (!laws.rub) return;
+    if (!laws.hold) return;
     struct vec between = vec_add(second.force, third.force);
     struct vec rub = vec_scale(share, vec_axpy(vec_add(first.force, fourth.force), 2.0, between));
     /* The impulse times the depth: levers are half of it shorter. */
@@ -301,7 +304,7 @@ static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_r
     put(to->s, k, end.s);
     to->slides[k] = end.slides;
     to->holds[1][k] = holds_at(laws, &lane, m, k, step, &end);
-    to->coarse[k] = coarse_at(laws, &lane, m, k, &first, &second, &third, &fourth, &end, time);
+    to->coarse[k] = coarse_at(m, k, &first, &second, &third, time);
 }
 
 /* ---- where the force sets in as a root of the overlap ---- */
@@ -328,23 +331,27 @@ static SCREE_INLINE struct yields add_yields(struct yields a, double share, cons
     return a;
 }
 
-/* The instant `t` after that of the lane, and the rates of what it yields then. */
+/* The instant `t` after that of the lane, and the rates of what it yields then. It is the first of its step, or `since`
+ * it (s). */
 static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m,
                                              int k, struct course *c, double t, const struct yields *so_far,
-                                             struct stage *at) {
+                                             const struct stage *first, double since, struct stage *at) {
     struct yields rate = {.press_moment = so_far->press, .rub_moment = so_far->rub};
     at->u = c->u[k] + (t * m->closing[k] - m->give[k] * so_far->press);
     at->d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * so_far->press_moment));
     press_stage(laws, lane, at);
     rate.press = at->normal;
-    if (!laws.bare) return rate;
+    if (!laws.hold) return rate;
     double lever = m->lever[0][k], deep = at->d - m->start[k];
     at->v = vec_axpy(vec_axpy(get(c->v, k), t, get(m->aside, k)), m->give_aside[k], so_far->rub);
     at->v = vec_axpy(at->v, -0.5 * lever, so_far->deep);
     at->q = vec_axpy(vec_axpy(get(c->q, k), -0.5 * lever, so_far->rub), 0.25 * m->lever[1][k], so_far->deep);
     at->slip = vec_axpy(at->v, deep, at->q);
     at->s = so_far->s;
-    grip_stage(laws, lane, at);
+    if (first)
+        grip_stage(laws, lane, first, since, at);
+    else
+        hold_stage(laws, lane, at);
     rate.rub = at->force;
     rate.deep = vec_scale(deep, at->force);
     rate.s = at->slip;
@@ -357,10 +364,10 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
                                    double step, struct course *c, struct stride *to) {
     const double node[5] = {0.0, 0.5, 0.5, 1.0, 1.0}, weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0};
     struct smooth_lane lane = lane_of(rule, m, k);
-    double span = to->span[k], size = to->size[k], along = 0.0;
-    struct stage at = {.slides = laws.bare ? c->slides[k] : 0.0};
+    double span = to->span[k], size = to->size[k], along = 0.0, began = 0.0;
+    struct stage at = {.slides = laws.hold ? c->slides[k] : 0.0}, first = at;
     struct yields start = {.press = to->press[k], .press_moment = to->press_moment[k]}, rate = {.press = 0.0};
-    if (laws.bare) {
+    if (laws.hold) {
         start.rub = get(to->rub, k);
         start.rub_moment = get(to->rub_moment, k);
         start.deep = get(to->deep, k);
@@ -369,8 +376,11 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
     struct yields end = start;
     for (int i = 0; i < 5; i++) { /* the last: the end */
         double sigma = to->sigma[k] + node[i] * size, lower = whole_power(sigma, laws.root - 1);
+        double t = to->offset[k] + span * lower * sigma;
         struct yields now = i == 4 ? end : add_yields(start, node[i] * along, &rate);
-        rate = tick_stage(laws, &lane, m, k, c, to->offset[k] + span * lower * sigma, &now, &at);
+        if (i == 0) began = t;
+        rate = tick_stage(laws, &lane, m, k, c, t, &now, i > 0 ? &first : NULL, t - began, &at);
+        if (i == 0) first = at;
         along = size * span * laws.root * lower;
         if (i < 4) end = add_yields(end, weight[i] * along, &rate);
     }
@@ -380,9 +390,9 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
     to->press[k] = end.press;
     to->press_moment[k] = end.press_moment;
     to->lasts[1][k] = lasts_at(laws, m->give[k], step, &at);
-    to->turns[1][k] = laws.rub ? at.normal : at.u;
+    to->turns[1][k] = laws.hold ? at.normal : at.u;
     to->holds[1][k] = 1.0;
-    if (!laws.bare) return;
+    if (!laws.hold) return;
     put(to->v, k, at.v);
     put(to->q, k, at.q);
     put(to->s, k, at.s);
@@ -411,7 +421,7 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
     double deep = (d > pressed ? d : pressed) + SCREE_NO_SPEED;
     struct scree_normal_force g = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){deep, u, 0.0, 0.0});
     double damped = g.damping * m->give[k], stiff = m->give[k] * 1.5 * fabs(g.elastic) / deep;
-    if (laws.rub) {
+    if (laws.hold) {
         double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(lane.friction, lane.friction_pair, d);
         double across = 2.0 * m->give_aside[k] * steep;
         rate = across > rate ? across : rate;
@@ -425,9 +435,6 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
     double steps = 4.0 * step * sqrt(stiff);
     steps = steps < 63.0 ? steps : 63.0; /* NaN too */
     m->grid[k] = step / ((1 + (int)steps) * (asked > 0 ? asked : 1));
-    /* What slides keeps its two steps (coarse_at). */
-    int halves = laws.rub && !laws.bare && asked == 0 && m->grid[k] > 0.75 * step && c->slides[k] > 0.0;
-    m->grid[k] = halves ? 0.5 * step : m->grid[k];
     c->odd[k] = 0.0;
     m->pushes[0][k] = m->pushes[1][k] = 0.0;
     if (!laws.cut) return;

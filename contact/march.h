@@ -28,9 +28,10 @@ struct smooth_pass {
     const struct smooth_loops *loops; /* NULL: there are none */
     const struct scree_rule *rule;
     double step;
+    double slope; /* of the friction law, s/m */
     int substeps; /* as asked for; 0: as many as needed */
     int cut, turns, root, rubs;
-    int ticks; /* there are steps by the clock of a root */
+    int damped; /* friction's slider is behind a spring and a dashpot, not behind a bare spring */
 };
 
 /* Copies lanes of columns. */
@@ -121,7 +122,7 @@ static int look(const struct smooth_pass *pass, int count, const struct march *x
     const struct course *c = &x->c;
     const struct stride *to = &x->to;
     double by_control = pass->rubs && !pass->substeps ? 1.0 : 0.0, by_turn = pass->turns ? 1.0 : 0.0;
-    double rubs = pass->rubs ? 1.0 : 0.0, most = 0.0;
+    double rubs = pass->rubs ? 1.0 : 0.0, damped = pass->damped ? 1.0 : 0.0, most = 0.0;
     _Pragma("omp simd reduction(max : most)")
     for (int k = 0; k < padded(count); k++) {
         double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k];
@@ -131,7 +132,8 @@ static int look(const struct smooth_pass *pass, int count, const struct march *x
         double what = to->lasts[0][k] > 0.0 ? ENDS : ODD;
         what = to->lasts[1][k] < 0.0 ? what : NOTHING;
         what = turns > 0.0 ? TURNS : what;
-        what = ((rubs > 0.0) & (to->holds[1][k] < 0.0)) ? SLIPS : what;
+        int slips = (to->holds[1][k] < 0.0) | ((damped > 0.0) & (to->holds[0][k] < 0.0));
+        what = ((rubs > 0.0) & slips) ? SLIPS : what;
         what = ((coarse > 0.0) & (what < ODD)) ? COARSE : what;
         what = c->d[k] >= 0.0 ? what : ODD;
         what = time > 0.0 ? what : NOTHING;
@@ -198,8 +200,13 @@ static void tick(const struct smooth_pass *pass, int count, const int *ends, str
         if (pieces[k] > most) most = pieces[k];
     }
     memcpy(time, to->time, sizeof time);
+    double soon[SCREE_LANES]; /* at the very begin there are no forces to compare */
+    for (int k = 0; k < padded(count); k++) to->time[k] *= 1e-5;
+    if (pass->damped) pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, to);
+    memcpy(soon, to->holds[1], sizeof soon);
     memset(to->time, 0, sizeof to->time); /* what is at the begin; nothing has been yielded */
     pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, to);
+    if (pass->damped) memcpy(to->holds[0], soon, sizeof soon);
     memcpy(to->time, time, sizeof time);
     for (int piece = 0; piece < most; piece++) {
         for (int k = 0; k < padded(count); k++)
@@ -345,7 +352,7 @@ static SCREE_INLINE int is_near(const struct march *x, int k, int side) {
     return (rest > 0.0) & (u > 0.0) & (d < within * u);
 }
 
-/* Lanes near the begin of a root of the overlap (side 1), or near its end (-1); left where the laws have no clock. */
+/* Lanes near the begin of a root of the overlap (side 1), or near its end (-1). */
 static int lanes_near(const struct smooth_pass *pass, int count, int side, struct march *x, int *near) {
     int nears = 0, any = 0;
     if (side < 0 && pass->cut) return 0;
@@ -353,9 +360,7 @@ static int lanes_near(const struct smooth_pass *pass, int count, int side, struc
     for (int k = 0; k < padded(count); k++) any |= is_near(x, k, side);
     for (int k = 0; any && k < count; k++)
         if (is_near(x, k, side)) near[nears++] = k;
-    if (pass->ticks) return nears;
-    for (int i = 0; i < nears; i++) leave(near[i], x);
-    return 0;
+    return nears;
 }
 
 /* Past the events of the step that was tried; lanes without one stay where they are. */

@@ -2,10 +2,11 @@
  * several at once. What they do is what within.c does, in numbers instead of matrices (lane.h): contact begins, breaks
  * loose, turns round, ends and begins again inside the step, and each of these instants is located (march.h).
  *
- * Few are left to within.c: contacts that may be pushed together again after their end, that are thrown back before
- * they touch, and of friction with a dashpot those where a root begins or ends. Which they are, and all that becomes of
- * the others, is decided for each contact by its own numbers, so that no bit depends on its neighbours in the list, on
- * threads or on the processor. Compiled once for each kind of processor, as loop.c is. */
+ * Few are left to within.c: contacts that may be pushed together again after their end, and those that are thrown back
+ * before they touch. Rolling laws come behind, from the impulses (impulse.c). Which contacts are left, and all that
+ * becomes of the others, is decided for each by its own numbers, so that no bit depends on its neighbours in the list,
+ * on threads or on the processor. Compiled once for each kind of processor, as loop.c is.
+ */
 #include "contact/law_list.h"
 #include "contact/loop.h"
 #include "contact/march.h"
@@ -35,7 +36,7 @@
                                                             struct stride *to) {                                       \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         struct scree_rule constants = *rule;                                                                           \
-        if (laws.none || laws.root < 2 || (laws.rub && !laws.bare)) return;                                            \
+        if (laws.none || laws.root < 2) return;                                                                        \
         SMOOTH_LOOP(tick_lane(laws, &constants, m, k, step, c, to);)                                                   \
     }
 
@@ -58,11 +59,10 @@ SCREE_NORMAL_LAWS(SMOOTH_ALONE)
     PAIR(tsuji_cut, mindlin)
 #define LARGER_ROOT(one, other) (one > other ? one : other)
 #define SMOOTH_TOGETHER(one, other, how, is_bare)                                                                      \
-    SMOOTH_PASS(one##_##other##how, .press = normal_##one##_force, .rub = friction_##other##_force,                    \
-                .hold = other##_hold, .stiffness = scree_friction_##other.stiffness,                                   \
-                .damping = scree_friction_##other.damping, .cut = scree_normal_##one.cut,                              \
-                .root = LARGER_ROOT(scree_normal_##one.root, scree_friction_##other.root),                             \
-                .memory = scree_friction_##other.memory, .bare = is_bare)
+    SMOOTH_PASS(one##_##other##how, .press = normal_##one##_force, .hold = other##_hold,                               \
+                .stiffness = scree_friction_##other.stiffness, .damping = scree_friction_##other.damping,              \
+                .cut = scree_normal_##one.cut,                                                                         \
+                .root = LARGER_ROOT(scree_normal_##one.root, scree_friction_##other.root), .bare = is_bare)
 #define SMOOTH_BOTH(one, other) SMOOTH_TOGETHER(one, other, _bare, 1) SMOOTH_TOGETHER(one, other, _damped, 0)
 SMOOTH_PAIRS(SMOOTH_BOTH)
 
@@ -105,12 +105,14 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
     if (SMOOTH_NOT((*normal))) return pass;
     int rubs = pass.rubs = rule->friction >= 0, bare = rubs && is_bare(rule, batch, first);
     pass.loops = smooth_loops_of(rule, bare);
-    pass.ticks = !rubs || bare;
+    pass.damped = rubs && !bare;
     pass.cut = normal->cut;
     pass.turns = rubs ? !normal->cut : !normal->turns_smoothly;
     pass.root = normal->root;
-    if (rubs && scree_friction_laws[rule->friction]->root > pass.root)
-        pass.root = scree_friction_laws[rule->friction]->root;
+    if (!rubs) return pass;
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    pass.slope = friction->slope(&rule->friction_constants);
+    if (friction->root > pass.root) pass.root = friction->root;
     return pass;
 }
 
@@ -193,7 +195,10 @@ static void yield_smooth(struct smooth_block *s, int count, int balls, int turns
 
 /* Depths, slopes, and levers. */
 static void rate_contacts(struct smooth_block *s, int count, double slope, int turns, struct scree_yield *yield) {
-    SMOOTH_LOOP(yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k);)
+    SMOOTH_LOOP({
+        yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k);
+        yield->lasts[k] = s->x.c.d[k] > 0.0 ? 1.0 : 0.0;
+    })
     if (turns)
         SMOOTH_LOOP({
             struct vec rub = get(s->x.c.rub, k);
@@ -243,6 +248,7 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
     }
     yield->depth[lane] = from->depth[i];
     yield->steep[lane] = from->steep[i];
+    yield->lasts[lane] = from->lasts[i];
     if (!turns || !batch->kept[0]) return;
     for (int axis = 0; axis < 3; axis++) batch->kept[axis][index] = s->x.c.s[axis][i];
     scree_keep(batch, SCREE_KEPT_STATE, index, s->x.c.slides[i]);
@@ -273,7 +279,7 @@ static void hand_nothing(struct scree_yield *yield, struct scree_moments *moment
     put(yield->turn_ball, lane, zero);
     put(yield->turn_host, lane, zero);
     put(moments->impulse, lane, zero);
-    yield->depth[lane] = yield->steep[lane] = 0.0;
+    yield->depth[lane] = yield->steep[lane] = yield->lasts[lane] = 0.0;
 }
 
 /* Both bodies are balls, or one is frozen. */
@@ -292,7 +298,7 @@ static void run_smooth(const struct scree_contacts *contacts, const struct scree
     int balls = batch->geometry != SCREE_BALL_PLANE, turns = rule->friction >= 0, touching = 0;
     gather_smooth(now, batch, first, index, count, turns, s);
     meet_smooth(s, count, step, balls, turns);
-    pass->loops->rates(rule, batch->slope, step, pass->substeps, count, &s->x.c, &s->x.m);
+    pass->loops->rates(rule, pass->slope, step, pass->substeps, count, &s->x.c, &s->x.m);
     drive_smooth(s, count, step, turns);
     begin_lanes(count, step, turns, s->flight, &s->x);
     s->x.by_clock = 0;
@@ -329,7 +335,7 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
     enum scree_geometry geometry = batch->geometry;
     int balls = geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE, lane[SCREE_LANES], acting = 0;
     uint32_t odd = 0;
-    if (!pass.loops || rule->rolling >= 0 || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
+    if (!pass.loops || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
     for (int k = 0; k < count; k++) {
         if (!is_plain(now, &batch->ends[first + k]))
             odd |= (uint32_t)1 << k;
