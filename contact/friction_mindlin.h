@@ -9,18 +9,13 @@
 #include "contact/mindlin.h"
 #include "contact/slider.h"
 
-/* Added to a dashpot's pair constant before it divides, N s/m^(5/4): changes none above 1e-84. */
-#define SCREE_NO_DRAG 1e-100
-
 static SCREE_INLINE struct scree_tangential friction_mindlin_force(const struct scree_law_constants *law,
                                                                    struct scree_pair_constants pair,
                                                                    struct scree_sliding at) {
     struct scree_hold hold = mindlin_hold(law, at);
-    /* With k = K q^2 and c = D q, lag and slack of the slider take one division between them, and no root of k. */
-    double k = mindlin_stiffness(law, pair, at.overlap), q = sqrt(sqrt(at.overlap > 0.0 ? at.overlap : 0.0));
-    double dashpot = pair.c[MINDLIN_DASHPOT], drag = dashpot + at.half * pair.c[MINDLIN_SPRING] * q + SCREE_NO_DRAG;
-    double inverse = 1.0 / (drag * k), lag = dashpot * (k * inverse);
-    return scree_slider_lagging(at, k, dashpot * q, lag, (lag * lag - 1.0) * (drag * inverse), hold.holds, hold.slides);
+    double root = sqrt(at.overlap > 0.0 ? at.overlap : 0.0); /* one root for the dashpot too */
+    double k = mindlin_stiffness(law, pair, at.overlap), c = pair.c[MINDLIN_DASHPOT] * sqrt(root);
+    return scree_slider(at, k, c, hold.holds, hold.slides);
 }
 
 static inline double friction_mindlin_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,

@@ -698,8 +698,10 @@ static void test_limit(void) {
 /* ---- books ---- */
 
 /* A box that falls on a corner, rolls over and slides, with a dashpot in friction: the books are sums over the stages,
- * so they close as well as the path is followed; and halving the step quarters the error, near enough through several
- * impacts and many changes between sticking and sliding. */
+ * so they close as well as the path is followed. Of that friction a box's contacts don't locate where they slide or
+ * hold, so its way (6 cm, through several impacts) is of first order. A slider that breaks loose unseen errs by k v h
+ * over a step, by k v h^2/m x 0.1 s = 7e-6 m of the way at the largest step and less at others; there are some of
+ * either sign. */
 static void test_books(void) {
     static const char text[] =
         "gravity = [0, 0, -9.81]\n[time]\nend = 0.2\n[[material]]\nname = \"m\"\ndensity = 1000\n"
@@ -711,11 +713,11 @@ static void test_books(void) {
         "position = [0, 0, 0.04]\norientation = { axis = [1, 2, 0.5], angle = 0.7 }\nvelocity = [0.4, 0.1, 0]\nspin = "
         "[3, "
         "-5, 8]\n[output]\nwrite = [\"energy.csv\"]\n";
-    double worst = 0.0, way[3];
-    for (int k = 0; k < 3; k++) {
-        scree_scene *scene = scene_with(text, 2e-5 / (1 << k), pair_impulse, 0);
+    double worst = 0.0, way[4];
+    for (int k = 0; k < 4; k++) {
+        scree_scene *scene = scene_with(text, 2e-5 / (k < 3 ? 1 << k : 16), pair_impulse, 0);
         scree_energy energy;
-        for (long n = 0; n < 10000 << k; n += 50) {
+        for (long n = 0; n < 10000L * (k < 3 ? 1 << k : 16); n += 50) {
             go(scene, 50);
             CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
             worst = fmax(worst, fabs(energy.balance));
@@ -724,10 +726,9 @@ static void test_books(void) {
         way[k] = state_of(scene, "box").position[0];
         scree_scene_destroy(scene);
     }
-    double ratio = (way[1] - way[0]) / (way[2] - way[1]);
-    show("box", "balance, ratio of differences", worst, ratio);
+    show("box", "balance, way", worst, way[0] - way[3]);
     NEAR(worst, 0.0, 1e-8); /* of 1e-2 J */
-    CHECK(ratio > 3.0);
+    for (int k = 0; k < 3; k++) NEAR(way[k], way[3], 1e-5 / (1 << k));
 }
 
 /* ---- same bits ---- */
