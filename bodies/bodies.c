@@ -178,9 +178,21 @@ static void set_attitude(struct scree_bodies *bodies, int index, const scree_bod
     vec_store(mat_apply(&attitude->frame, vec_times(moments, body_spin)), bodies->state[index].l);
 }
 
+static double common_radius(const struct scree_bodies *bodies) {
+    double radius = 0.0;
+    for (int k = 0; k < bodies->kinds; k++) {
+        const scree_shape *shape = &bodies->kind[k].shape;
+        if (shape->kind != SCREE_SPHERE) continue;
+        if (radius > 0.0 && shape->radius != radius) return 0.0;
+        radius = shape->radius;
+    }
+    return radius;
+}
+
 scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*def)(const void *context, int index),
                                  const void *context, scree_trouble *trouble) {
     size_t attitudes = (size_t)bodies->attitudes;
+    bodies->even = common_radius(bodies);
     bodies->attitude = zeroed(attitudes, sizeof *bodies->attitude);
     bodies->corner = zeroed(1 + 8 * attitudes, sizeof *bodies->corner);
     if (!bodies->attitude || !bodies->corner)

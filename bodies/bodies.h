@@ -115,6 +115,7 @@ struct scree_bodies {
     int *kind_of;          /* row in `kind`: see scree_kind_of */
     int kinds, kind_capacity;
     struct scree_kind *kind;
+    double even; /* radius of all spheres, m; 0 if they aren't of one size */
     int attitudes;
     struct scree_attitude *attitude;
     double (*corner)[4]; /* row 0 is zero (a sphere's ball); row 1 + 8 slot + c: corner c from the centre, world axes */

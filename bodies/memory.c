@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-enum { LARGE = 64 << 10, LINE = 64 };
+enum { LARGE = 64 << 10, LINE = 256 };
 
 /* What lies in front of an array: how much of it comes from the system, 0: it is of the heap. */
 struct front {

@@ -27,15 +27,45 @@ static SCREE_INLINE void transpose(scree_row r[4]) {
     r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-static SCREE_INLINE void store_columns(scree_row r[4], double (*column)[SCREE_LANES], int lane) {
+static SCREE_INLINE void store_columns(scree_row r[4], int count, double (*column)[SCREE_LANES], int lane) {
     transpose(r);
-    for (int i = 0; i < 4; i++) *(scree_row *)&column[i][lane] = r[i];
+    for (int i = 0; i < count; i++) *(scree_row *)&column[i][lane] = r[i];
 }
+#endif
+
+#ifdef __AVX__
+#include <immintrin.h> /* for roots of rows, which have no operator */
+static SCREE_INLINE scree_row row_root(scree_row a) { return (scree_row)_mm256_sqrt_pd((__m256d)a); }
 #endif
 
 #ifdef __AVX512F__
 /* Two rows of a record in one. */
 typedef double wide_row __attribute__((vector_size(64), aligned(8), may_alias));
+typedef long long wide_bits __attribute__((vector_size(64), aligned(8), may_alias));
+
+static SCREE_INLINE wide_row wide_of(scree_row a, scree_row b) {
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+static SCREE_INLINE wide_row wide_root(wide_row a) { return (wide_row)_mm512_sqrt_pd((__m512d)a); }
+
+/* Fourth numbers of both rows with the other sign. */
+static SCREE_INLINE wide_row wide_turned(wide_row a) {
+    const wide_bits sign = {0, 0, 0, INT64_MIN, 0, 0, 0, INT64_MIN};
+    return (wide_row)((wide_bits)a ^ sign);
+}
+
+/* Four rows in the lower halves and four in the upper ones, to columns. */
+static SCREE_INLINE void transpose_halves(wide_row r[4]) {
+    wide_row a = __builtin_shufflevector(r[0], r[1], 0, 8, 2, 10, 4, 12, 6, 14);
+    wide_row b = __builtin_shufflevector(r[0], r[1], 1, 9, 3, 11, 5, 13, 7, 15);
+    wide_row c = __builtin_shufflevector(r[2], r[3], 0, 8, 2, 10, 4, 12, 6, 14);
+    wide_row d = __builtin_shufflevector(r[2], r[3], 1, 9, 3, 11, 5, 13, 7, 15);
+    r[0] = __builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13);
+    r[1] = __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13);
+    r[2] = __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15);
+    r[3] = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
+}
 
 /* Eight rows to eight columns, or back. */
 static SCREE_INLINE void transpose_wide(wide_row r[8]) {
@@ -61,30 +91,39 @@ struct ends {
     struct scree_record *ball[SCREE_LANES], *host[SCREE_LANES];
 };
 
-/* Columns of one block of contacts. */
+/* Columns of one block of contacts. What one pass divides, or takes the root of, the next one works with: a processor
+ * looks ahead over some sixty operations, and what waits for a root would fill them. */
 struct block {
     /* from the host's centre to the ball body's, m; sum of radii */
-    _Alignas(64) double shift[4][SCREE_LANES];
+    _Alignas(256) double shift[4][SCREE_LANES];
     double rush[4][SCREE_LANES];      /* velocity of the ball's centre against the host's, m/s; sum of inverse masses */
     double ball_spin[4][SCREE_LANES]; /* rad/s; largest tolerable overlap, m */
-    double host_spin[4][SCREE_LANES];
-    double radius[SCREE_LANES];      /* of the ball, m */
-    double n[3][SCREE_LANES];        /* unit normal, from the host towards the ball */
-    double corner[3][SCREE_LANES];   /* from the ball body's centre to the ball, m; boxes only */
-    double arm[3][SCREE_LANES];      /* from the ball body's centre to the middle of the overlap, m; not of two balls */
-    double lever[2][SCREE_LANES];    /* of two balls: from the centres of ball and host to there, m */
-    double overlap[SCREE_LANES];     /* m */
-    double closing[SCREE_LANES];     /* m/s */
-    double slip[3][SCREE_LANES];     /* tangential velocity of the ball, m/s */
-    double force[SCREE_LANES];       /* normal, N */
-    double reversible[SCREE_LANES];  /* part of it that is stored, N */
-    double share[SCREE_LANES];       /* of the step during which the bodies touch */
-    double touching[SCREE_LANES];    /* 1 while the contact lasts, else 0 */
+    double host_spin[4][SCREE_LANES]; /* of balls of one size this isn't there, ball_spin is the sum of both, and the */
+    double radius[SCREE_LANES];       /* radius of the ball, m, and all fourth columns are missing too */
+    double apart[SCREE_LANES];        /* of two balls: distance of the centres, m, */
+    double inverse[SCREE_LANES];      /* and one over it */
+    double n[3][SCREE_LANES];         /* unit normal, from the host towards the ball */
+    double corner[3][SCREE_LANES];    /* from the ball body's centre to the ball, m; boxes only */
+    double arm[3][SCREE_LANES];   /* from the ball body's centre to the middle of the overlap, m; not of two balls */
+    double lever[2][SCREE_LANES]; /* of two balls: from the centres of ball and host to there, m */
+    double overlap[SCREE_LANES];  /* m */
+    double root[SCREE_LANES], fourth[SCREE_LANES]; /* of the overlap: square and fourth root, for laws that need them */
+    double closing[SCREE_LANES];                   /* m/s */
+    double slip[3][SCREE_LANES];                   /* tangential velocity of the ball, m/s */
+    double force[SCREE_LANES];                     /* normal, N */
+    double reversible[SCREE_LANES];                /* part of it that is stored, N */
+    double met[SCREE_LANES];                       /* overlap over half the way that closes it in a step */
+    double share[SCREE_LANES];                     /* of the step during which the bodies touch */
+    double touching[SCREE_LANES];                  /* 1 while the contact lasts, else 0 */
     double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
     double friction[3][SCREE_LANES]; /* N */
     double state[SCREE_LANES];       /* of friction, as kept */
-    double torque[3][SCREE_LANES];   /* of the rolling law on the ball, N m */
-    double power[SCREE_LANES];       /* that it takes from the motion, W */
+    /* Of sliders (slider.h): what they are, their trial force (N) with its size, and the share of it that slides. */
+    double k[SCREE_LANES], drag[SCREE_LANES], gone[SCREE_LANES], goes[SCREE_LANES], stays[SCREE_LANES];
+    double holds[SCREE_LANES], slides[SCREE_LANES];
+    double trial[3][SCREE_LANES], size[SCREE_LANES], borne[SCREE_LANES];
+    double torque[3][SCREE_LANES]; /* of the rolling law on the ball, N m */
+    double power[SCREE_LANES];     /* that it takes from the motion, W */
 };
 
 static inline void put(double (*column)[SCREE_LANES], int lane, struct vec a) {
@@ -99,44 +138,97 @@ static inline void put_kept(double *const *kept, int lane, struct vec a) {
     kept[2][lane] = a.z;
 }
 
+static inline struct vec get_kept(double *const *kept, int lane) {
+    return vec(kept[0][lane], kept[1][lane], kept[2][lane]);
+}
+
 static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
     return vec(column[0][lane], column[1][lane], column[2][lane]);
 }
 
+/* Where balls are of one size (scree_goes_even), what columns needn't say: sum of both radii, and the largest tolerable
+ * overlap, m. */
+struct sizes {
+    int even;
+    double radii, limit;
+};
+
 /* Limit of the overlap in a lane, m. */
-static inline double limit_of(const struct block *b, int k) {
+static SCREE_INLINE double limit_of(const struct block *b, int k, struct sizes sizes) {
+    if (sizes.even) return sizes.limit;
     return b->ball_spin[3][k] < b->host_spin[3][k] ? b->ball_spin[3][k] : b->host_spin[3][k];
 }
 
 /* ---- gather ---- */
 
-#ifdef __AVX512F__
-/* Contacts lane … lane + 7. The fourth numbers of the rows are added instead of subtracted: sums of radii and of
- * inverse masses. */
-static inline void fetch_some(const struct ends *ends, int lane, struct block *b) {
-    const wide_row sign = {1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, -1.0};
-    wide_row going[8], turning[8];
-    for (int i = 0; i < 8; i++) {
-        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
-        going[i] = *(const wide_row *)ball->x - *(const wide_row *)host->x * sign;
-        turning[i] =
-            __builtin_shufflevector(*(const scree_row *)ball->w, *(const scree_row *)host->w, 0, 1, 2, 3, 4, 5, 6, 7);
-        b->radius[lane + i] = ball->radius;
-    }
-    transpose_wide(going);
-    transpose_wide(turning);
-    for (int i = 0; i < 4; i++) {
-        *(wide_row *)&b->shift[i][lane] = going[i];
-        *(wide_row *)&b->rush[i][lane] = going[4 + i];
-        *(wide_row *)&b->ball_spin[i][lane] = turning[i];
-        *(wide_row *)&b->host_spin[i][lane] = turning[4 + i];
+/* Distances of two balls, where their columns are all there is. */
+static inline void measure_apart(struct block *b, int from, int count) {
+    _Pragma("omp simd")
+    for (int k = from; k < from + count; k++) {
+        b->apart[k] = vec_norm(get(b->shift, k));
+        b->inverse[k] = 1.0 / (b->apart[k] + SCREE_NO_WAY);
     }
 }
 
+/* Rows of records, subtracted, become columns: those of contacts lane … lane + WIDTH - 1. The fourth numbers of the
+ * rows are added instead: sums of radii and of inverse masses. Distances are found for `balls`, so that their roots are
+ * there when the next pass begins. */
+#ifdef __AVX512F__
+static SCREE_INLINE void store_wide(const wide_row *row, int count, double (*column)[SCREE_LANES], int lane) {
+    for (int i = 0; i < count; i++) *(wide_row *)&column[i][lane] = row[i];
+}
+
+static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+    const wide_row none = {0.0}, one = none + 1.0;
+    wide_row r[8];
+    for (int i = 0; i < 8; i++) {
+        wide_row ball = *(const wide_row *)ends->ball[lane + i]->x, host = *(const wide_row *)ends->host[lane + i]->x;
+        r[i] = ball - (even ? host : wide_turned(host));
+    }
+    transpose_wide(r);
+    store_wide(r, even ? 3 : 4, b->shift, lane);
+    store_wide(r + 4, even ? 3 : 4, b->rush, lane);
+    if (!balls) return;
+    wide_row apart = wide_root(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    *(wide_row *)&b->apart[lane] = apart;
+    *(wide_row *)&b->inverse[lane] = one / (apart + SCREE_NO_WAY);
+}
+
+static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
+    wide_row r[8];
+    for (int i = 0; i < 8; i++) {
+        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
+        r[i] = wide_of(*(const scree_row *)ball->w, *(const scree_row *)host->w);
+        b->radius[lane + i] = ball->radius;
+    }
+    transpose_wide(r);
+    store_wide(r, 4, b->ball_spin, lane);
+    store_wide(r + 4, 4, b->host_spin, lane);
+}
+
+static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, struct block *b) {
+    wide_row r[4];
+    for (int i = 0; i < 4; i++) {
+        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
+        const struct scree_record *later_ball = ends->ball[lane + 4 + i], *later_host = ends->host[lane + 4 + i];
+        r[i] = wide_of(*(const scree_row *)ball->w + *(const scree_row *)host->w,
+                       *(const scree_row *)later_ball->w + *(const scree_row *)later_host->w);
+    }
+    transpose_halves(r);
+    store_wide(r, 3, b->ball_spin, lane);
+}
+
+static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+    fetch_way(ends, lane, balls, even, b);
+    if (even)
+        fetch_even_spins(ends, lane, b);
+    else
+        fetch_spins(ends, lane, b);
+}
+
 #elif defined __AVX__
-/* The same for lanes … lane + 3. */
-static inline void fetch_some(const struct ends *ends, int lane, struct block *b) {
-    const scree_row sign = {1.0, 1.0, 1.0, -1.0};
+static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+    const scree_row sign = {1.0, 1.0, 1.0, -1.0}, one = {1.0, 1.0, 1.0, 1.0};
     scree_row shift[4], rush[4], ball_spin[4], host_spin[4];
     for (int i = 0; i < 4; i++) {
         const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
@@ -144,31 +236,38 @@ static inline void fetch_some(const struct ends *ends, int lane, struct block *b
         rush[i] = *(const scree_row *)ball->v - *(const scree_row *)host->v * sign;
         ball_spin[i] = *(const scree_row *)ball->w;
         host_spin[i] = *(const scree_row *)host->w;
-        b->radius[lane + i] = ball->radius;
+        if (even) ball_spin[i] += host_spin[i];
+        if (!even) b->radius[lane + i] = ball->radius;
     }
-    store_columns(shift, b->shift, lane);
-    store_columns(rush, b->rush, lane);
-    store_columns(ball_spin, b->ball_spin, lane);
-    store_columns(host_spin, b->host_spin, lane);
+    store_columns(shift, even ? 3 : 4, b->shift, lane);
+    store_columns(rush, even ? 3 : 4, b->rush, lane);
+    store_columns(ball_spin, even ? 3 : 4, b->ball_spin, lane);
+    if (!even) store_columns(host_spin, 4, b->host_spin, lane);
+    if (!balls) return;
+    scree_row apart = row_root(shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
+    *(scree_row *)&b->apart[lane] = apart;
+    *(scree_row *)&b->inverse[lane] = one / (apart + SCREE_NO_WAY);
 }
 
 #else
 /* Processors without such rows: number by number, which compilers do better than rows in halves. */
-static inline void fetch_some(const struct ends *ends, int lane, struct block *b) {
-    for (int i = 0; i < WIDTH; i++) {
-        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
+static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+    for (int i = lane; i < lane + WIDTH; i++) {
+        const struct scree_record *ball = ends->ball[i], *host = ends->host[i];
         for (int k = 0; k < 3; k++) {
-            b->shift[k][lane + i] = ball->x[k] - host->x[k];
-            b->rush[k][lane + i] = ball->v[k] - host->v[k];
-            b->ball_spin[k][lane + i] = ball->w[k];
-            b->host_spin[k][lane + i] = host->w[k];
+            b->shift[k][i] = ball->x[k] - host->x[k];
+            b->rush[k][i] = ball->v[k] - host->v[k];
+            b->ball_spin[k][i] = even ? ball->w[k] + host->w[k] : ball->w[k];
+            if (!even) b->host_spin[k][i] = host->w[k];
         }
-        b->radius[lane + i] = ball->radius;
-        b->shift[3][lane + i] = ball->radius + host->radius;
-        b->rush[3][lane + i] = ball->inverse_mass + host->inverse_mass;
-        b->ball_spin[3][lane + i] = ball->limit;
-        b->host_spin[3][lane + i] = host->limit;
+        if (even) continue;
+        b->shift[3][i] = ball->radius + host->radius;
+        b->rush[3][i] = ball->inverse_mass + host->inverse_mass;
+        b->ball_spin[3][i] = ball->limit;
+        b->host_spin[3][i] = host->limit;
+        b->radius[i] = ball->radius;
     }
+    if (balls) measure_apart(b, lane, WIDTH);
 }
 #endif
 
@@ -185,29 +284,121 @@ static inline void find_ends(const struct scree_bodies *bodies, const struct scr
     }
 }
 
-static inline void fetch(const struct ends *ends, int count, struct block *b) {
-    for (int lane = 0; lane < padded(count); lane += WIDTH) fetch_some(ends, lane, b);
+static SCREE_INLINE void fetch_as(const struct ends *ends, int count, int balls, int even, struct block *b) {
+    for (int lane = 0; lane < padded(count); lane += WIDTH) fetch_some(ends, lane, balls, even, b);
 }
 
-static inline void meet_balls(int count, struct block *b) {
-    const struct vec origin = {0.0, 0.0, 0.0};
+static inline void fetch(const struct ends *ends, int count, int balls, int even, struct block *b) {
+    if (balls && even)
+        fetch_as(ends, count, 1, 1, b);
+    else if (balls)
+        fetch_as(ends, count, 1, 0, b);
+    else
+        fetch_as(ends, count, 0, 0, b);
+}
+
+/* What is seen in a block whose bodies meet. */
+enum {
+    CHANGES = 1, /* some meet or part within the step, or may */
+    DEEPER = 2   /* some are deeper than any before, or may be */
+};
+
+static SCREE_INLINE int events_at(const struct block *b, int k, double step, double most, struct sizes sizes) {
+    int changes = !(fabs(b->overlap[k]) >= step * fabs(b->closing[k]) + SCREE_NO_SPEED) ? CHANGES : 0;
+    return changes | (!(b->overlap[k] <= most * limit_of(b, k, sizes)) ? DEEPER : 0);
+}
+
+/* CALL(one, other), with each value that two flags can have as a constant. */
+#define WITH_FLAGS(one, other, CALL)                                                                                   \
+    do {                                                                                                               \
+        if ((one) && (other))                                                                                          \
+            CALL(1, 1);                                                                                                \
+        else if (one)                                                                                                  \
+            CALL(1, 0);                                                                                                \
+        else if (other)                                                                                                \
+            CALL(0, 1);                                                                                                \
+        else                                                                                                           \
+            CALL(0, 0);                                                                                                \
+    } while (0)
+
+static SCREE_INLINE void find_root(struct block *b, int k) {
+    b->root[k] = sqrt(b->overlap[k] > 0.0 ? b->overlap[k] : 0.0);
+}
+
+static inline void find_fourth_roots(struct block *b, int count) {
     _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) b->fourth[k] = sqrt(b->root[k]);
+}
+
+/* What is asked for with a block. */
+struct wants {
+    double step, most; /* s; overlap that events count from, as share of what is tolerable */
+    struct sizes sizes;
+    int rooted, remembers; /* laws need the roots of the overlap; friction has a stretch */
+};
+
+static SCREE_INLINE struct sizes sizes_if(struct sizes sizes, int even) {
+    return (struct sizes){even, sizes.radii, sizes.limit};
+}
+
+static SCREE_INLINE double radii_of(const struct block *b, int k, struct sizes sizes) {
+    return sizes.even ? sizes.radii : b->shift[3][k];
+}
+
+/* Normal, overlap and closing speed of two balls whose distance is known. */
+static SCREE_INLINE int meet_balls_as(struct block *b, int count, struct wants wants, int even, int rooted) {
+    struct sizes sizes = sizes_if(wants.sizes, even);
+    int events = 0;
+    _Pragma("omp simd reduction(| : events)")
     for (int k = 0; k < padded(count); k++) {
-        struct vec apart = vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]);
-        double radii = b->shift[3][k];
-        struct scree_meeting m = scree_meet_ball(apart, radii, origin, 0.0);
-        struct scree_roll roll =
-            scree_roll_of(m.normal, m.overlap, b->radius[k], radii, vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
-                          vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]),
-                          vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
-        put(b->n, k, m.normal);
-        put(b->slip, k, roll.slip);
-        b->overlap[k] = m.overlap;
-        b->closing[k] = roll.closing;
-        b->touching[k] = b->share[k] = m.overlap > 0.0 ? 1.0 : 0.0;
-        b->lever[0][k] = roll.lever;
-        b->lever[1][k] = roll.other;
+        double apart = b->apart[k], overlap = radii_of(b, k, sizes) - apart;
+        struct vec n = scree_normal_of(get(b->shift, k), apart, b->inverse[k]);
+        put(b->n, k, n);
+        b->overlap[k] = overlap;
+        if (rooted) find_root(b, k);
+        b->closing[k] = -vec_dot(get(b->rush, k), n);
+        b->touching[k] = b->share[k] = overlap > 0.0 ? 1.0 : 0.0;
+        events |= events_at(b, k, wants.step, wants.most, sizes);
     }
+    return events;
+}
+
+static inline int meet_balls(struct block *b, int count, struct wants wants) {
+#define MEET(even, rooted) return meet_balls_as(b, count, wants, even, rooted)
+    WITH_FLAGS(wants.sizes.even, wants.rooted, MEET);
+#undef MEET
+}
+
+/* How two balls move at the middle of their overlap; where friction remembers a stretch, this is brought along with the
+ * normal. The fourth root of the overlap goes along while there is enough else to do. */
+static SCREE_INLINE void slide_lane(struct block *b, int k, double *const *kept, double step, struct sizes sizes,
+                                    int remembers, int rooted) {
+    double overlap = b->overlap[k], radii = radii_of(b, k, sizes);
+    struct vec n = get(b->n, k), rush = get(b->rush, k);
+    if (rooted) b->fourth[k] = sqrt(b->root[k]);
+    struct scree_roll roll = sizes.even ? scree_roll_even(n, overlap, radii, rush, b->closing[k], get(b->ball_spin, k))
+                                        : scree_roll_of(n, overlap, b->radius[k], radii, rush, b->closing[k],
+                                                        get(b->ball_spin, k), get(b->host_spin, k));
+    put(b->slip, k, roll.slip);
+    b->lever[0][k] = roll.lever;
+    b->lever[1][k] = roll.other;
+    if (remembers) put_kept(kept, k, scree_turn_along(get_kept(kept, k), n, roll.aside, step * b->inverse[k]));
+}
+
+static SCREE_INLINE void slide_balls_as(struct block *b, int count, double *const *kept, struct wants wants, int even,
+                                        int remembers, int rooted) {
+    struct sizes sizes = sizes_if(wants.sizes, even);
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) slide_lane(b, k, kept, wants.step, sizes, remembers, rooted);
+}
+
+static inline void slide_balls(struct block *b, int count, double *const *kept, struct wants wants) {
+#define SLIDE(even, remembers) slide_balls_as(b, count, kept, wants, even, remembers, 1)
+    if (wants.rooted) WITH_FLAGS(wants.sizes.even, wants.remembers, SLIDE);
+#undef SLIDE
+#define SLIDE(even, remembers) slide_balls_as(b, count, kept, wants, even, remembers, 0)
+    if (!wants.rooted) WITH_FLAGS(wants.sizes.even, wants.remembers, SLIDE);
+#undef SLIDE
 }
 
 /* Contacts first … first + count - 1 of a batch; of two balls nobody asks for them. */
@@ -225,6 +416,7 @@ static inline void bring_images(const struct scree_bodies *bodies, const struct 
         b->shift[1][lane] -= off.y;
         b->shift[2][lane] -= off.z;
     }
+    measure_apart(b, 0, padded(count));
 }
 
 /* Partners that aren't balls, one after the other. */
@@ -258,52 +450,63 @@ static inline void move_all(int count, struct block *b) {
     }
 }
 
-/* Whether some bodies meet or part within the step, or may: blocks without such contacts need nothing of the kind. */
-static inline int some_meet_or_part(const struct block *b, int count, double step) {
-    int some = 0;
-    _Pragma("omp simd reduction(| : some)")
-    for (int k = 0; k < padded(count); k++)
-        some |= !(fabs(b->overlap[k]) >= step * fabs(b->closing[k]) + SCREE_NO_SPEED);
-    return some;
+/* The events of contacts that aren't of two balls, and their roots. */
+static inline int see(struct block *b, int count, struct wants wants) {
+    const struct sizes any = {0};
+    int events = 0;
+    _Pragma("omp simd reduction(| : events)")
+    for (int k = 0; k < padded(count); k++) events |= events_at(b, k, wants.step, wants.most, any);
+    if (!wants.rooted) return events;
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) find_root(b, k);
+    find_fourth_roots(b, count);
+    return events;
 }
 
-/* Share of the step during which bodies overlap that do so by `overlap` in its middle: 1 or 0, but for the steps in
- * which they meet or part. */
-static inline double share_of(double overlap, double closing, double step) {
-    double way = 0.5 * step * fabs(closing) + SCREE_NO_SPEED;
-    double share = 0.5 + 0.5 * (overlap / way);
+/* Share of the step during which bodies touch that have `met` by so much of half a step's way in its middle: 1 or 0,
+ * but for the steps in which they meet or part. */
+static SCREE_INLINE double share_of(double met) {
+    double share = 0.5 + 0.5 * met;
     share = share < 1.0 ? share : 1.0;
     return share > 0.0 ? share : 0.0;
 }
 
-static inline void share_out(int count, double step, struct block *b) {
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) b->share[k] = share_of(b->overlap[k], b->closing[k], step);
+static SCREE_INLINE double met_by(double overlap, double closing, double step) {
+    return overlap / (0.5 * step * fabs(closing) + SCREE_NO_SPEED);
 }
 
-/* `contact`: as name_contacts gives them. */
-static inline void gather(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                          const struct ends *ends, int count, enum scree_geometry geometry, struct block *b) {
-    fetch(ends, count, b);
+static inline void share_out(int count, double step, struct block *b) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        b->met[k] = met_by(b->overlap[k], b->closing[k], step);
+        b->share[k] = share_of(b->met[k]);
+    }
+}
+
+/* `contact`: as name_contacts gives them. How two balls slide isn't found yet. Returns the events. */
+static inline int gather(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                         const struct ends *ends, int count, enum scree_geometry geometry, struct wants wants,
+                         struct block *b) {
+    int balls = geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE;
+    fetch(ends, count, balls, wants.sizes.even, b);
     switch (geometry) { /* constant arguments: each case becomes a loop of its own */
+    case SCREE_BALL_IMAGE:
+        bring_images(bodies, contact, count, b);
+        return meet_balls(b, count, wants);
     case SCREE_BALL_BALL:
-        meet_balls(count, b);
-        return;
+        return meet_balls(b, count, wants);
     case SCREE_BALL_PLANE:
         meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
         break;
     case SCREE_BALL_RECTANGLE:
         meet_others(bodies, contact, count, SCREE_BALL_RECTANGLE, b);
         break;
-    case SCREE_BALL_IMAGE:
-        bring_images(bodies, contact, count, b);
-        meet_balls(count, b);
-        return;
     default:
         meet_others(bodies, contact, count, SCREE_BALL_BOX, b);
         break;
     }
     move_all(count, b);
+    return see(b, count, wants);
 }
 
 /* ---- edges on edges ---- */
@@ -376,7 +579,7 @@ static inline int gather_crossings(const struct scree_bodies *bodies, const stru
     struct ends ends;
     find_ends(bodies, batch->ends + first, count, &ends);
     name_contacts(batch, first, count, contact);
-    fetch(&ends, count, b);
+    fetch(&ends, count, 0, 0, b);
     struct scree_two_boxes boxes = {.a = NULL};
     for (int lane = 0, own = 0; lane < padded(count); lane++) {
         int begins = lane == 0;

@@ -20,8 +20,8 @@
 
 enum { SCREE_SEGMENTS = SCREE_SLABS + 1 };
 enum {
-    SCREE_LANES = 32,  /* contacts in a block: their work columns stay in the L1 cache */
-    SCREE_PADDING = 8, /* passes run over whole vectors: what columns hold is padded to a multiple of this */
+    SCREE_LANES = 32,   /* contacts in a block: their work columns stay in the L1 cache */
+    SCREE_PADDING = 32, /* passes run over whole vectors: what columns hold is padded to a multiple of this */
 };
 
 static inline int scree_padded(int count) { return (count + SCREE_PADDING - 1) / SCREE_PADDING * SCREE_PADDING; }
@@ -225,6 +225,14 @@ static inline void scree_keep(const struct scree_batch *batch, int m, int k, dou
 /* Pair constant c of contact k. */
 static inline double scree_pair(const struct scree_batch *batch, int c, int k) {
     return batch->pair[c][batch->uniform ? 0 : k];
+}
+
+/* Two balls of one size turn by the same lever, and only the sum of their spins counts, unless they roll on torques of
+ * their own; that takes fewer operations. It depends on the scene alone: roundings differ. Slopes of friction ask for
+ * masses, which then aren't at hand. */
+static inline int scree_goes_even(const struct scree_bodies *bodies, const struct scree_batch *batch, int rolls) {
+    int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE;
+    return bodies->even > 0.0 && balls && !rolls && batch->slope == 0.0;
 }
 
 /* Sums of a segment, before they are added to the scene's in the order of segments. */

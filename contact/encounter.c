@@ -60,7 +60,7 @@ static struct instant look(const struct pair *p, const struct phase *phase, cons
     struct vec u = velocity(p, s);
     now.closing = -vec_dot(u, p->n);
     now.slip = vec_axpy(u, now.closing, p->n);
-    struct scree_pressing at = {s->y[OVERLAP], now.closing, phase->first, phase->second};
+    struct scree_pressing at = scree_pressed(s->y[OVERLAP], now.closing, phase->first, phase->second);
     /* At the turning point rounding must not pick the other branch of a law that tells approach from parting. */
     at.closing = phase->approaching ? fmax(at.closing, 1e-300) : fmin(at.closing, -1e-300);
     now.law = p->normal->force(&p->rule->normal_constants, p->of_normal, at);
@@ -289,7 +289,7 @@ struct vec scree_approach(const struct scree_encounter *e) {
 
 /* What the elastic force does on a way as long as the overlap. */
 static double press_by(const struct pair *p, double overlap) {
-    struct scree_pressing at = {overlap, 1e-300, 0.0, 0.0};
+    struct scree_pressing at = scree_pressed(overlap, 1e-300, 0.0, 0.0);
     return p->normal->force(&p->rule->normal_constants, p->of_normal, at).elastic * overlap;
 }
 

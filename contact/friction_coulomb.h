@@ -36,12 +36,17 @@ static inline struct scree_hold coulomb_hold(const struct scree_law_constants *l
     return (struct scree_hold){at.sliding > 0.0 ? kinetic : law->c[COULOMB_STATIC] * at.normal, kinetic};
 }
 
+static SCREE_INLINE struct scree_slider friction_coulomb_grip(const struct scree_law_constants *law,
+                                                              struct scree_pair_constants pair,
+                                                              struct scree_sliding at) {
+    (void)pair;
+    return scree_slider_of(at, law->c[COULOMB_STIFFNESS], law->c[COULOMB_DAMPING], coulomb_hold(law, at));
+}
+
 static SCREE_INLINE struct scree_tangential friction_coulomb_force(const struct scree_law_constants *law,
                                                                    struct scree_pair_constants pair,
                                                                    struct scree_sliding at) {
-    (void)pair;
-    struct scree_hold hold = coulomb_hold(law, at);
-    return scree_slider(at, law->c[COULOMB_STIFFNESS], law->c[COULOMB_DAMPING], hold.holds, hold.slides);
+    return scree_slide(at, friction_coulomb_grip(law, pair, at));
 }
 
 static inline double friction_coulomb_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -77,6 +82,7 @@ static const struct scree_friction_law scree_friction_coulomb = {
     .slider = 1,
     .bake = friction_coulomb_bake,
     .force = friction_coulomb_force,
+    .grip = friction_coulomb_grip,
     .hold = coulomb_hold,
     .stored = friction_coulomb_stored,
     .slope = scree_zero,

@@ -38,12 +38,17 @@ static inline struct scree_hold karnopp_hold(const struct scree_law_constants *l
     return (struct scree_hold){limit, limit};
 }
 
+static SCREE_INLINE struct scree_slider friction_karnopp_grip(const struct scree_law_constants *law,
+                                                              struct scree_pair_constants pair,
+                                                              struct scree_sliding at) {
+    (void)pair;
+    return scree_slider_of(at, law->c[KARNOPP_STIFFNESS], law->c[KARNOPP_DAMPING], karnopp_hold(law, at));
+}
+
 static inline struct scree_tangential friction_karnopp_force(const struct scree_law_constants *law,
                                                              struct scree_pair_constants pair,
                                                              struct scree_sliding at) {
-    (void)pair;
-    struct scree_hold hold = karnopp_hold(law, at);
-    return scree_slider(at, law->c[KARNOPP_STIFFNESS], law->c[KARNOPP_DAMPING], hold.holds, hold.slides);
+    return scree_slide(at, friction_karnopp_grip(law, pair, at));
 }
 
 static inline double friction_karnopp_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -79,6 +84,7 @@ static const struct scree_friction_law scree_friction_karnopp = {
     .slider = 1,
     .bake = friction_karnopp_bake,
     .force = friction_karnopp_force,
+    .grip = friction_karnopp_grip,
     .hold = karnopp_hold,
     .stored = friction_karnopp_stored,
     .slope = scree_zero,

@@ -9,13 +9,18 @@
 #include "contact/mindlin.h"
 #include "contact/slider.h"
 
+static SCREE_INLINE struct scree_slider friction_mindlin_grip(const struct scree_law_constants *law,
+                                                              struct scree_pair_constants pair,
+                                                              struct scree_sliding at) {
+    double k = mindlin_spring(pair, scree_square_root(at.roots, at.overlap));
+    double c = mindlin_dashpot(pair, scree_fourth_root(at.roots, at.overlap));
+    return scree_slider_of(at, k, c, mindlin_hold(law, at));
+}
+
 static SCREE_INLINE struct scree_tangential friction_mindlin_force(const struct scree_law_constants *law,
                                                                    struct scree_pair_constants pair,
                                                                    struct scree_sliding at) {
-    struct scree_hold hold = mindlin_hold(law, at);
-    double root = sqrt(at.overlap > 0.0 ? at.overlap : 0.0); /* one root for the dashpot too */
-    double k = mindlin_stiffness(law, pair, at.overlap), c = pair.c[MINDLIN_DASHPOT] * sqrt(root);
-    return scree_slider(at, k, c, hold.holds, hold.slides);
+    return scree_slide(at, friction_mindlin_grip(law, pair, at));
 }
 
 static inline double friction_mindlin_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -34,10 +39,12 @@ static const struct scree_friction_law scree_friction_mindlin = {
              .parameters = mindlin_parameters},
     .memory = 1,
     .slider = 1,
+    .rooted = 1,
     .root = 2,
     .bake = mindlin_bake,
     .pair = mindlin_pair,
     .force = friction_mindlin_force,
+    .grip = friction_mindlin_grip,
     .hold = mindlin_hold,
     .stored = friction_mindlin_stored,
     .slope = scree_zero,

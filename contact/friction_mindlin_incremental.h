@@ -13,10 +13,10 @@ static inline struct scree_tangential friction_mindlin_incremental_force(const s
                                                                          struct scree_pair_constants pair,
                                                                          struct scree_sliding at) {
     double k = mindlin_stiffness(law, pair, at.overlap);
-    struct scree_hold hold = mindlin_hold(law, at);
     /* The stretch that would carry the force at this stiffness: from there on it is the same slider. */
     at.stretch = vec_scale(1.0 / k, at.stretch);
-    struct scree_tangential f = scree_slider(at, k, mindlin_damping(law, pair, at.overlap), hold.holds, hold.slides);
+    double c = mindlin_damping(law, pair, at.overlap);
+    struct scree_tangential f = scree_slide(at, scree_slider_of(at, k, c, mindlin_hold(law, at)));
     f.stretch = vec_scale(k, f.stretch);
     return f;
 }

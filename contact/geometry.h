@@ -13,13 +13,19 @@ struct scree_meeting {
 /* Gap that stands for "below the plate"; a contact with it never touches. */
 #define SCREE_OUTSIDE (-1e30)
 
+/* Added to distances before they divide: changes none above 1e-284 m. */
+#define SCREE_NO_WAY 1e-300
+
+/* The direction of a way; upwards if it leads nowhere. `inverse`: one over the distance. */
+static SCREE_INLINE struct vec scree_normal_of(struct vec way, double distance, double inverse) {
+    return vec(inverse * way.x, inverse * way.y, distance == 0.0 ? 1.0 : inverse * way.z);
+}
+
 static SCREE_INLINE struct scree_meeting scree_meet_ball(struct vec centre, double radius, struct vec other,
                                                          double other_radius) {
     struct vec d = vec_sub(centre, other);
-    double distance = vec_norm(d), inverse = 1.0 / distance;
-    int same = distance == 0.0; /* selections, no branch: the loop takes several at once */
-    struct vec n = vec(same ? 0.0 : inverse * d.x, same ? 0.0 : inverse * d.y, same ? 1.0 : inverse * d.z);
-    return (struct scree_meeting){n, radius + other_radius - distance};
+    double distance = vec_norm(d), inverse = 1.0 / (distance + SCREE_NO_WAY);
+    return (struct scree_meeting){scree_normal_of(d, distance, inverse), radius + other_radius - distance};
 }
 
 static inline struct scree_meeting scree_meet_plane(struct vec centre, double radius, struct vec origin,

@@ -38,7 +38,7 @@ double scree_grip_stiffness(const struct scree_grip *grip, int way, double overl
 /* ---- setting up ---- */
 
 static struct scree_normal_force law_of(const struct scree_grip *grip, double overlap, double closing, double first) {
-    struct scree_pressing at = {overlap, closing, first, grip->second};
+    struct scree_pressing at = scree_pressed(overlap, closing, first, grip->second);
     return grip->normal->force(&grip->rule->normal_constants, grip->of_normal, at);
 }
 

@@ -9,7 +9,7 @@
 static const int kept_at[SCREE_GRIP_WAYS] = {SCREE_KEPT_FRICTION, SCREE_KEPT_ROLLING, SCREE_KEPT_ROLLING + 4};
 
 static struct scree_normal_force law_at(const struct scree_grip *grip, double overlap, double closing) {
-    struct scree_pressing at = {overlap, closing, grip->first, grip->second};
+    struct scree_pressing at = scree_pressed(overlap, closing, grip->first, grip->second);
     return grip->normal->force(&grip->rule->normal_constants, grip->of_normal, at);
 }
 

@@ -39,6 +39,11 @@ static inline struct scree_pair_constants hertz_pair(const struct scree_law_cons
     return (struct scree_pair_constants){{hertz_stiffness(law, radius)}};
 }
 
+/* `root`: of the overlap, 0 where there is none. */
+static SCREE_INLINE double hertz_spring(struct scree_pair_constants pair, double overlap, double root) {
+    return pair.c[HERTZ_STIFFNESS] * overlap * root;
+}
+
 static inline double hertz_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                   struct scree_pressing at) {
     (void)law;

@@ -36,7 +36,7 @@ static double overlap_of(const struct pair *pair, double q) { return q * q * q *
 static struct scree_pressing press(const struct pair *pair, double overlap, double closing) {
     /* At the turning point rounding must not pick the other branch. */
     double branch = pair->approaching ? fmax(closing, 1e-300) : fmin(closing, -1e-300);
-    return (struct scree_pressing){overlap, branch, pair->first, pair->second};
+    return scree_pressed(overlap, branch, pair->first, pair->second);
 }
 
 static double force_at(const struct pair *pair, double overlap, double closing) {

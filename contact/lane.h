@@ -109,7 +109,7 @@ static SCREE_INLINE struct smooth_lane lane_of(const struct scree_rule *rule, co
 }
 
 static SCREE_INLINE void press_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    struct scree_pressing pressing = {at->d, at->u, 0.0, 0.0};
+    struct scree_pressing pressing = scree_pressed(at->d, at->u, 0.0, 0.0);
     struct scree_normal_force f = laws.press(lane->normal, lane->normal_pair, pressing);
     at->normal = f.elastic + f.damping * at->u;
     at->damping = f.damping;
@@ -412,14 +412,14 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
                                    int asked, int k, struct course *c, struct motion *m) {
     struct smooth_lane lane = lane_of(rule, m, k);
     double d = c->d[k] > 0.0 ? c->d[k] : 0.0, u = c->u[k], way = d + step * fabs(u);
-    struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){d, u, 0.0, 0.0});
+    struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, scree_pressed(d, u, 0.0, 0.0));
     double force = f.elastic + f.damping * u, rate = f.damping * m->give[k];
     /* It gets as deep as the step takes it, or as far as its speed can press a spring between linear and Hertz's. */
-    double most = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){way, u, 0.0, 0.0}).elastic;
+    double most = laws.press(lane.normal, lane.normal_pair, scree_pressed(way, u, 0.0, 0.0)).elastic;
     double can = 1.25 * u * u, needs = m->give[k] * most * way + SCREE_NO_SPEED;
     double pressed = u > 0.0 ? (needs > can ? way * sqrt(can / needs) : way) : 0.0;
     double deep = (d > pressed ? d : pressed) + SCREE_NO_SPEED;
-    struct scree_normal_force g = laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){deep, u, 0.0, 0.0});
+    struct scree_normal_force g = laws.press(lane.normal, lane.normal_pair, scree_pressed(deep, u, 0.0, 0.0));
     double damped = g.damping * m->give[k], stiff = m->give[k] * 1.5 * fabs(g.elastic) / deep;
     if (laws.hold) {
         double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(lane.friction, lane.friction_pair, d);
@@ -439,8 +439,7 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
     m->pushes[0][k] = m->pushes[1][k] = 0.0;
     if (!laws.cut) return;
     double later = d + step * u, deeper = later > 0.0 ? later : 0.0;
-    struct scree_normal_force then =
-        laws.press(lane.normal, lane.normal_pair, (struct scree_pressing){deeper, u, 0.0, 0.0});
+    struct scree_normal_force then = laws.press(lane.normal, lane.normal_pair, scree_pressed(deeper, u, 0.0, 0.0));
     double softness = 1.5 * then.elastic / (deeper + SCREE_NO_SPEED);
     m->pushes[0][k] = then.elastic + then.damping * u;
     m->pushes[1][k] = step * (then.damping + step * softness);

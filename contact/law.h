@@ -70,10 +70,30 @@ struct scree_pair_constants {
     double c[SCREE_PAIR_CONSTANTS];
 };
 
+/* Square and fourth root of an overlap, 0 where there is none, for laws that need them (`rooted`): the loop has found
+ * them before; where they aren't known the law does. */
+struct scree_roots {
+    int known;
+    double square, fourth;
+};
+
+static SCREE_INLINE double scree_square_root(struct scree_roots roots, double overlap) {
+    return roots.known ? roots.square : sqrt(overlap > 0.0 ? overlap : 0.0);
+}
+
+static SCREE_INLINE double scree_fourth_root(struct scree_roots roots, double overlap) {
+    return roots.known ? roots.fourth : sqrt(scree_square_root(roots, overlap));
+}
+
 /* A contact as a normal law sees it, with the two numbers that the law has kept of it (zero when it begins). */
 struct scree_pressing {
     double overlap, closing, first, second;
+    struct scree_roots roots;
 };
+
+static SCREE_INLINE struct scree_pressing scree_pressed(double overlap, double closing, double first, double second) {
+    return (struct scree_pressing){.overlap = overlap, .closing = closing, .first = first, .second = second};
+}
 
 /* F = elastic + damping u, cut to F >= 0 if the law says so. `reversible` is dU/dd, the part of the force that is
  * stored in the contact; the power lost is (F - reversible) u. `first` and `second` are kept; a law forgets them by
@@ -95,6 +115,7 @@ struct scree_normal_law {
     int cut;            /* force never pulls: F = max(0, F); the contact ends where F = 0 */
     int memory;         /* keeps numbers of the contact */
     int turns_smoothly; /* one formula holds while bodies approach and part */
+    int rooted;         /* takes scree_roots */
     int root; /* the dashpot sets in like this root of the overlap (4, 2); 0: like a whole power, or at once */
     /* Check what ranges can't say and compute the law's constants. `values` are within their ranges. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
@@ -125,6 +146,7 @@ struct scree_sliding {
     double normal, overlap, closing, half;
     struct vec velocity, stretch;
     double sliding;
+    struct scree_roots roots;
 };
 
 /* Force on the ball in the middle of the step, and the memory at its end. */
@@ -138,10 +160,19 @@ struct scree_hold {
     double holds, slides;
 };
 
+/* A slider with spring and dashpot behind it, in a step (slider.h): its trial force is k s + drag v; a step that sticks
+ * takes the stretch on by `stays` v, one that slides keeps 1 - `gone` of it but for what the force carries, and takes
+ * it on by `goes` v times the force over the trial force. */
+struct scree_slider {
+    double k, drag, gone, goes, stays; /* N/m, N s/m, 1, s, s */
+    struct scree_hold bears;
+};
+
 struct scree_friction_law {
     struct scree_law_text text;
     int memory; /* keeps stretch and state */
     int slider; /* the stretch is that of a spring behind a slider: with half = 0 it is cut to what the slider holds */
+    int rooted; /* `grip` takes scree_roots */
     int in_force; /* as `slider`, but what is kept is the force of that spring, N */
     int rescaled; /* as `in_force`, but the force falls with the stiffness, sqrt(d), while the overlap does */
     int root;     /* the stiffness sets in like this root of the overlap; 0: otherwise */
@@ -150,6 +181,10 @@ struct scree_friction_law {
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);
     struct scree_tangential (*force)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                      struct scree_sliding at);
+    /* Of a slider whose memory is its stretch: what it is in a step. `force` is scree_slide of that, and the loop does
+     * it in several passes. NULL: it isn't one. */
+    struct scree_slider (*grip)(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                struct scree_sliding at);
     /* What a law with memory makes of it at an instant, for those who integrate it in time; exactly one of the two:
      * that of a slider behind a spring, or the rate (m/s) at which the stretch of a bristle changes. */
     struct scree_hold (*hold)(const struct scree_law_constants *law, struct scree_sliding at);

@@ -47,7 +47,8 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
 
 /* Where and how a contact moves; `m` receives normal and overlap. */
 static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                                 enum scree_geometry geometry, struct scree_meeting *m) {
+                                 const struct scree_batch *batch, int rolls, struct scree_meeting *m) {
+    enum scree_geometry geometry = batch->geometry;
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
         struct scree_two_boxes boxes = scree_deep_boxes_of(bodies, contact);
@@ -61,9 +62,13 @@ static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct
     *m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
     struct vec velocity = vec_sub(vec_from(ball->v), vec_from(host->v)), none = {0.0, 0.0, 0.0};
     if (geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE) {
-        struct scree_roll roll = scree_roll_of(m->normal, m->overlap, ball->radius, ball->radius + host->radius,
-                                               velocity, vec_from(ball->w), vec_from(host->w));
-        return (struct scree_gait){vec_axpy(none, -roll.lever, m->normal), roll.slip, roll.closing};
+        struct vec ball_spin = vec_from(ball->w), host_spin = vec_from(host->w);
+        double radii = ball->radius + host->radius, closing = -vec_dot(velocity, m->normal);
+        struct scree_roll roll =
+            scree_goes_even(bodies, batch, rolls)
+                ? scree_roll_even(m->normal, m->overlap, radii, velocity, closing, vec_add(ball_spin, host_spin))
+                : scree_roll_of(m->normal, m->overlap, ball->radius, radii, velocity, closing, ball_spin, host_spin);
+        return (struct scree_gait){vec_axpy(none, -roll.lever, m->normal), roll.slip, closing};
     }
     return scree_gait_of(m->normal, m->overlap, ball->radius, corner, scree_apart(bodies, contact, geometry), velocity,
                          vec_from(ball->w), vec_from(host->w));
@@ -76,9 +81,9 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_record *ball = &bodies->record[contact->ball];
     struct scree_meeting m;
-    struct scree_gait gait = gait_of(bodies, contact, batch->geometry, &m);
+    struct scree_gait gait = gait_of(bodies, contact, batch, rule->rolling >= 0, &m);
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    struct scree_pressing pressing = {m.overlap, gait.closing, 0.0, 0.0};
+    struct scree_pressing pressing = scree_pressed(m.overlap, gait.closing, 0.0, 0.0);
     if (normal->memory) {
         pressing.first = scree_kept(batch, SCREE_KEPT_NORMAL, index);
         pressing.second = scree_kept(batch, SCREE_KEPT_NORMAL + 1, index);

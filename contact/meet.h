@@ -72,19 +72,31 @@ static inline struct scree_gait scree_gait_of(struct vec n, double overlap, doub
 /* How two balls move at the middle of their overlap. Both arms are along the normal, so spins add up before they are
  * crossed with it, and friction alone turns: fewer operations and roundings than scree_gait_of. */
 struct scree_roll {
-    struct vec slip;
-    double closing;
-    double lever, other; /* from the centres of ball and partner, m */
+    struct vec slip, aside; /* tangential velocity of the ball, and of its centre, m/s */
+    double lever, other;    /* from the centres of ball and partner, m */
 };
 
+/* `turning`: the sum of levers times spins. */
+static SCREE_INLINE struct scree_roll scree_roll_by(struct vec n, struct vec velocity, double closing,
+                                                    struct vec turning, double lever, double other) {
+    struct vec aside = vec_axpy(velocity, closing, n);
+    return (struct scree_roll){vec_add(aside, vec_cross(n, turning)), aside, lever, other};
+}
+
 /* `radii`: of both together. */
-static inline struct scree_roll scree_roll_of(struct vec n, double overlap, double radius, double radii,
-                                              struct vec velocity, struct vec ball_spin, struct vec host_spin) {
-    struct scree_roll roll = {.lever = radius - 0.5 * overlap, .other = radii - radius - 0.5 * overlap};
-    struct vec turning = vec_axpy(vec_scale(roll.lever, ball_spin), roll.other, host_spin);
-    roll.closing = -vec_dot(velocity, n);
-    roll.slip = vec_add(vec_axpy(velocity, roll.closing, n), vec_cross(n, turning));
-    return roll;
+static SCREE_INLINE struct scree_roll scree_roll_of(struct vec n, double overlap, double radius, double radii,
+                                                    struct vec velocity, double closing, struct vec ball_spin,
+                                                    struct vec host_spin) {
+    double lever = radius - 0.5 * overlap, other = radii - radius - 0.5 * overlap;
+    struct vec turning = vec_axpy(vec_scale(lever, ball_spin), other, host_spin);
+    return scree_roll_by(n, velocity, closing, turning, lever, other);
+}
+
+/* The same of two balls of one size, in fewer operations. `spins`: of both together. */
+static SCREE_INLINE struct scree_roll scree_roll_even(struct vec n, double overlap, double radii, struct vec velocity,
+                                                      double closing, struct vec spins) {
+    double lever = 0.5 * (radii - overlap);
+    return scree_roll_by(n, velocity, closing, vec_scale(lever, spins), lever, lever);
 }
 
 /* Energy that is lost when bodies attach whose law reaches beyond touch: it binds them at once, and counts from the
@@ -92,7 +104,7 @@ static inline struct scree_roll scree_roll_of(struct vec n, double overlap, doub
 static inline double scree_snap_energy(double (*stored)(const struct scree_law_constants *, struct scree_pair_constants,
                                                         struct scree_pressing),
                                        const struct scree_law_constants *law, struct scree_pair_constants pair) {
-    return -stored(law, pair, (struct scree_pressing){0.0, 0.0, 0.0, 1.0});
+    return -stored(law, pair, scree_pressed(0.0, 0.0, 0.0, 1.0));
 }
 
 static inline struct scree_two_boxes scree_two_boxes_of(const struct scree_bodies *bodies, int ball, int host) {
@@ -150,6 +162,13 @@ static SCREE_INLINE struct vec scree_into_tangent_plane(struct vec stretch, stru
     double below = square * square + s * (0.3125 * s - 1.25 * square);
     double scale = s > 1e-24 * square && below > 0.0 ? above / below : 1.0;
     return vec_scale(scale, flat);
+}
+
+/* The same of two balls, whose normal turns as their centres go round each other, by w = h v/r in a step, v the
+ * velocity across the normal: along s.n the stretch has been on the normal, and half of that times w is what it lacks
+ * in length and direction. Errs by the third order of the turn in a step, and takes no division. `per`: h/r. */
+static SCREE_INLINE struct vec scree_turn_along(struct vec stretch, struct vec normal, struct vec aside, double per) {
+    return vec_axpy(stretch, -vec_dot(stretch, normal), vec_axpy(normal, -0.5 * per, aside));
 }
 
 #endif

@@ -33,13 +33,13 @@ static inline void fetch_pushes(const struct scree_push *push, const struct scre
         row[4][i] = *(const scree_row *)host->turn;
         row[5][i] = *(const scree_row *)host->turn_more;
     }
-    store_columns(row[0], to->along, lane);
-    store_columns(row[1], to->more, lane);
+    store_columns(row[0], 4, to->along, lane);
+    store_columns(row[1], 4, to->more, lane);
     if (!turns) return;
-    store_columns(row[2], to->ball_turn, lane);
-    store_columns(row[3], to->ball_more, lane);
-    store_columns(row[4], to->host_turn, lane);
-    store_columns(row[5], to->host_more, lane);
+    store_columns(row[2], 4, to->ball_turn, lane);
+    store_columns(row[3], 4, to->ball_more, lane);
+    store_columns(row[4], 4, to->host_turn, lane);
+    store_columns(row[5], 4, to->host_more, lane);
 }
 #else
 static inline void fetch_pushes(const struct scree_push *push, const struct scree_contact *const contact[4], int lane,

@@ -41,23 +41,32 @@ static inline struct scree_pair_constants mindlin_pair(const struct scree_law_co
     return (struct scree_pair_constants){{spring, 2.0 * law->c[MINDLIN_ZETA] * sqrt(mass * spring)}};
 }
 
-/* Never zero, so that it can divide, and large enough for the squares of its forces: 1e-100 N/m are no stiffness. */
+/* Never zero, so that it can divide, and large enough for the squares of its forces: 1e-100 N/m are no stiffness.
+ * `root`: of the overlap. */
+static SCREE_INLINE double mindlin_spring(struct scree_pair_constants pair, double root) {
+    return pair.c[MINDLIN_SPRING] * root + 1e-100;
+}
+
+/* 2 zeta sqrt(m k_t); the fourth root of the overlap is one that Tsuji's dashpot takes too. */
+static SCREE_INLINE double mindlin_dashpot(struct scree_pair_constants pair, double fourth_root) {
+    return pair.c[MINDLIN_DASHPOT] * fourth_root;
+}
+
 static inline double mindlin_stiffness(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                        double overlap) {
     (void)law;
-    return pair.c[MINDLIN_SPRING] * sqrt(overlap > 0.0 ? overlap : 0.0) + 1e-100;
+    return mindlin_spring(pair, sqrt(overlap > 0.0 ? overlap : 0.0));
+}
+
+static inline double mindlin_damping(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                     double overlap) {
+    (void)law;
+    return mindlin_dashpot(pair, sqrt(sqrt(overlap > 0.0 ? overlap : 0.0)));
 }
 
 static inline struct scree_hold mindlin_hold(const struct scree_law_constants *law, struct scree_sliding at) {
     double kinetic = law->c[MINDLIN_KINETIC] * at.normal;
     return (struct scree_hold){at.sliding > 0.0 ? kinetic : law->c[MINDLIN_STATIC] * at.normal, kinetic};
-}
-
-/* 2 zeta sqrt(m k_t); the fourth root of the overlap is one that Tsuji's dashpot takes too. */
-static inline double mindlin_damping(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                     double overlap) {
-    (void)law;
-    return pair.c[MINDLIN_DASHPOT] * sqrt(sqrt(overlap > 0.0 ? overlap : 0.0));
 }
 
 #endif

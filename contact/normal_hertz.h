@@ -18,8 +18,7 @@ static inline scree_status normal_hertz_bake(const struct scree_values *values, 
 static SCREE_INLINE struct scree_normal_force
 normal_hertz_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)law;
-    double d = at.overlap > 0.0 ? at.overlap : 0.0;
-    double spring = pair.c[HERTZ_STIFFNESS] * d * sqrt(d);
+    double spring = hertz_spring(pair, at.overlap, scree_square_root(at.roots, at.overlap));
     return (struct scree_normal_force){spring, 0.0, spring, 0.0, 0.0};
 }
 
@@ -41,6 +40,7 @@ static const struct scree_normal_law scree_normal_hertz = {
              .example = "stiffness = 5e6"},
     .cut = 0,
     .turns_smoothly = 1,
+    .rooted = 1,
     .bake = normal_hertz_bake,
     .pair = hertz_pair,
     .force = normal_hertz_force,

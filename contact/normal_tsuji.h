@@ -39,6 +39,7 @@ static const struct scree_normal_law scree_normal_tsuji = {
     .cut = 0,
     .root = 4,
     .turns_smoothly = 1,
+    .rooted = 1,
     .bake = normal_tsuji_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_force,

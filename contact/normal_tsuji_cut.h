@@ -42,6 +42,7 @@ static const struct scree_normal_law scree_normal_tsuji_cut = {
     .cut = 1,
     .root = 4,
     .turns_smoothly = 1,
+    .rooted = 1,
     .bake = normal_tsuji_cut_bake,
     .pair = tsuji_pair,
     .force = normal_tsuji_cut_force,

@@ -37,7 +37,8 @@ static inline scree_status rolling_spring_dashpot_bake(const struct scree_values
 static inline struct scree_tangential rolling_spring_dashpot_resist(const struct scree_law_constants *law,
                                                                     double coefficient, struct scree_sliding at) {
     double holds = coefficient * at.normal;
-    return scree_slider(at, law->c[ROLLING_SPRING], law->c[ROLLING_DASHPOT], holds, holds);
+    return scree_slide(
+        at, scree_slider_of(at, law->c[ROLLING_SPRING], law->c[ROLLING_DASHPOT], (struct scree_hold){holds, holds}));
 }
 
 static inline double rolling_spring_dashpot_stiffness(const struct scree_law_constants *law) {

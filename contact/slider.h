@@ -24,20 +24,41 @@
 
 #include "contact/law.h"
 
-/* Forces in N: `holds` is the largest that the slider bears, `slides` (<= holds) that with which it slides. k > 0, c >=
- * 0. */
-static SCREE_INLINE struct scree_tangential scree_slider(struct scree_sliding at, double k, double c, double holds,
-                                                         double slides) {
-    double stiff = at.half * k + SCREE_NO_SPEED, first = c + stiff, part = stiff / first;
-    double other = first + stiff * part, inverse = 1.0 / other, gone = (stiff + stiff) * inverse;
-    double late = at.sliding > 0.0 ? at.half * part : 0.0, drag = at.sliding > 0.0 ? other : first;
-    struct vec trial = vec_axpy(vec_scale(k, at.stretch), drag, at.velocity);
-    double size = vec_norm(trial), step = at.half + at.half;
-    int sliding = size > holds;
-    double scale = sliding ? slides / (size + SCREE_NO_SPEED) : 1.0;
-    double way = sliding ? scale * step * (drag * inverse) : step + late;
-    struct vec stretch = vec_axpy(vec_scale(1.0 + gone * (scale - 1.0), at.stretch), way, at.velocity);
-    return (struct scree_tangential){vec_scale(-scale, trial), stretch, sliding ? 1.0 : 0.0};
+/* Added to dashpots before they divide, and large enough for its square: changes none above 1e-124 N s/m. */
+#define SCREE_NO_DRAG 1e-140
+
+/* k > 0, c >= 0. */
+static SCREE_INLINE struct scree_slider scree_slider_of(struct scree_sliding at, double k, double c,
+                                                        struct scree_hold hold) {
+    double step = at.half + at.half, stiff = at.half * k + SCREE_NO_DRAG, first = c + stiff, part = stiff / first;
+    double inverse = first / (first * first + stiff * stiff); /* 1/(first + stiff part), without waiting for it */
+    double goes = step * (first * inverse), late = at.half * part, other = first + stiff * part;
+    int slid = at.sliding > 0.0;
+    return (struct scree_slider){
+        k, slid ? other : first, (stiff + stiff) * inverse, slid ? step : goes, slid ? step + late : step, hold};
+}
+
+static SCREE_INLINE struct vec scree_slider_trial(double k, double drag, struct vec stretch, struct vec velocity) {
+    return vec_axpy(vec_scale(k, stretch), drag, velocity);
+}
+
+/* The force with which it slides, over a trial force of that size. */
+static SCREE_INLINE double scree_slider_share(double slides, double size) { return slides / (size + SCREE_NO_SPEED); }
+
+/* The end of the step; `share` counts if the trial force is more than the slider holds. */
+static SCREE_INLINE struct scree_tangential scree_slider_end(struct scree_slider slider, struct vec trial, double size,
+                                                             double share, struct vec stretch, struct vec velocity) {
+    double holds = slider.bears.holds, scale = size > holds ? share : 1.0, goes = share * slider.goes;
+    double way = size > holds ? goes : slider.stays;
+    struct vec kept = vec_scale(1.0 + slider.gone * (scale - 1.0), stretch);
+    return (struct scree_tangential){vec_scale(-scale, trial), vec_axpy(kept, way, velocity), size > holds ? 1.0 : 0.0};
+}
+
+/* The whole step. */
+static SCREE_INLINE struct scree_tangential scree_slide(struct scree_sliding at, struct scree_slider slider) {
+    struct vec trial = scree_slider_trial(slider.k, slider.drag, at.stretch, at.velocity);
+    double size = vec_norm(trial), share = scree_slider_share(slider.bears.slides, size);
+    return scree_slider_end(slider, trial, size, share, at.stretch, at.velocity);
 }
 
 #endif

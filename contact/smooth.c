@@ -142,7 +142,7 @@ static void gather_smooth(const struct scree_bodies *now, const struct scree_bat
         own[k] = (struct scree_ends){contact[k].ball, contact[k].host};
     }
     find_ends(now, own, count, &ends);
-    gather(now, contact, &ends, count, batch->geometry, &s->b);
+    gather(now, contact, &ends, count, batch->geometry, (struct wants){0}, &s->b);
     for (int lane = 0; lane < padded(count); lane += 4) {
         const struct scree_contact *four[4];
         for (int i = 0; i < 4; i++) four[i] = &contact[lane + i < count ? lane + i : count - 1];
@@ -196,7 +196,7 @@ static void yield_smooth(struct smooth_block *s, int count, int balls, int turns
 /* Depths, slopes, and levers. */
 static void rate_contacts(struct smooth_block *s, int count, double slope, int turns, struct scree_yield *yield) {
     SMOOTH_LOOP({
-        yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k);
+        yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k, (struct sizes){0});
         yield->lasts[k] = s->x.c.d[k] > 0.0 ? 1.0 : 0.0;
     })
     if (turns)

@@ -37,10 +37,10 @@ static inline struct scree_pair_constants tsuji_pair(const struct scree_law_cons
     return (struct scree_pair_constants){{stiffness, law->c[TSUJI_ALPHA] * sqrt(mass * stiffness)}};
 }
 
-static inline struct scree_normal_force tsuji_force(struct scree_pair_constants pair, struct scree_pressing at) {
-    double d = at.overlap > 0.0 ? at.overlap : 0.0, root = sqrt(d);
-    double spring = pair.c[HERTZ_STIFFNESS] * d * root;
-    return (struct scree_normal_force){spring, pair.c[TSUJI_DAMPING] * sqrt(root), spring, 0.0, 0.0};
+static SCREE_INLINE struct scree_normal_force tsuji_force(struct scree_pair_constants pair, struct scree_pressing at) {
+    double root = scree_square_root(at.roots, at.overlap), spring = hertz_spring(pair, at.overlap, root);
+    double damping = pair.c[TSUJI_DAMPING] * scree_fourth_root(at.roots, at.overlap);
+    return (struct scree_normal_force){spring, damping, spring, 0.0, 0.0};
 }
 
 static inline double tsuji_zeta(const struct scree_law_constants *law) { return law->c[TSUJI_ALPHA] / sqrt(5.0); }

@@ -15,7 +15,7 @@ static inline double closing_of(const struct scree_pair_motion *p, const struct 
 void scree_pair_press(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                       struct scree_pair_load *load) {
     double closing = closing_of(p, at);
-    struct scree_pressing pressing = {at->overlap, closing, at->first, at->second};
+    struct scree_pressing pressing = scree_pressed(at->overlap, closing, at->first, at->second);
     struct scree_normal_force f = p->normal->force(p->normal_law, p->normal_pair, pressing);
     load->normal = f.elastic + f.damping * closing;
     load->damping = f.damping;
@@ -88,7 +88,7 @@ static void remember(const struct scree_pair_motion *p, struct scree_pair_instan
 /* Energy in the normal direction that the contact gives back, J; only reckoned if the books are kept. */
 static double stored(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
     if (!p->books || (at->overlap <= 0.0 && !(at->second > 0.0))) return 0.0;
-    struct scree_pressing pressing = {at->overlap, closing_of(p, at), at->first, at->second};
+    struct scree_pressing pressing = scree_pressed(at->overlap, closing_of(p, at), at->first, at->second);
     return p->normal->stored(p->normal_law, p->normal_pair, pressing);
 }
 
@@ -313,8 +313,8 @@ static void shorten(const struct scree_pair_motion *p, enum event event, const s
 static int bends(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                  const struct scree_pair_instant *to) {
     if (!p->normal->bends) return 0;
-    struct scree_pressing first = {from->overlap, closing_of(p, from), from->first, from->second};
-    struct scree_pressing then = {to->overlap, closing_of(p, to), from->first, from->second};
+    struct scree_pressing first = scree_pressed(from->overlap, closing_of(p, from), from->first, from->second);
+    struct scree_pressing then = scree_pressed(to->overlap, closing_of(p, to), from->first, from->second);
     return p->normal->bends(p->normal_law, p->normal_pair, first, then);
 }
 
@@ -477,7 +477,7 @@ struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct
         double start = touches ? 0.0 : begin(p, time, at, &sum);
         if (!(start < p->step)) break;
         if (p->normal->reach && !(at->second > 0.0)) { /* bodies that attach are bound at once; books as in loop.c */
-            struct scree_pressing attached = {0.0, 0.0, 0.0, 1.0};
+            struct scree_pressing attached = scree_pressed(0.0, 0.0, 0.0, 1.0);
             sum.lost -= p->normal->stored(p->normal_law, p->normal_pair, attached);
         }
         if (at->overlap == 0.0) meet(p, at);

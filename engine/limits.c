@@ -94,11 +94,10 @@ static struct pair_rates rates_of(const struct scree_scene *scene, const struct 
     double radius = scree_radius_of_pair(bodies, i, j);
     struct scree_pair_constants pair = law->pair(&rule->normal_constants, mass, radius);
     double overlap = deepest_overlap(law, &rule->normal_constants, pair, mass, speed);
-    struct scree_normal_force at =
-        law->force(&rule->normal_constants, pair, (struct scree_pressing){overlap, speed, 0.0, 0.0});
+    struct scree_normal_force at = law->force(&rule->normal_constants, pair, scree_pressed(overlap, speed, 0.0, 0.0));
     /* With the memory of that overlap: some laws are much stiffer on the way back. */
     struct scree_normal_force less =
-        law->force(&rule->normal_constants, pair, (struct scree_pressing){0.999 * overlap, speed, at.first, at.second});
+        law->force(&rule->normal_constants, pair, scree_pressed(0.999 * overlap, speed, at.first, at.second));
     double stiffness = (at.elastic - less.elastic) / (0.001 * overlap);
     struct pair_rates rates = {stiffness * normal, fmax(at.damping, less.damping) * normal, 0.0, 0.0, HUGE_VAL};
     struct pair_rates sideways = {0.0, 0.0, 0.0, 0.0, HUGE_VAL};

@@ -4,7 +4,7 @@
 root=$1 static=$(realpath "$2") shared=$(realpath "$3")
 failed=0
 
-# Folders that a folder may include; libc and OpenMP headers are free, and the project names its folders in every include.
+# Folders that a folder may include; libc, OpenMP and the processor's headers are free, and the project names its folders in every include.
 cd "$root" || exit 1
 find bodies contact solver engine bench tests \( -name '*.c' -o -name '*.h' \) | sort | xargs awk '
 BEGIN {
@@ -16,7 +16,7 @@ BEGIN {
     may["bench"] = may["bench/peers"] = may["tests"] = may["engine/cli"] " bench bench/peers tests"
     libc = " assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdalign stdarg stdatomic" \
         " stdbool stddef stdint stdio stdlib stdnoreturn string strings threads time unistd fcntl dirent getopt omp" \
-        " pthread sys/stat sys/types sys/wait sys/mman sys/resource sys/time sys/file sched "
+        " pthread sys/stat sys/types sys/wait sys/mman sys/resource sys/time sys/file sched immintrin "
 }
 function among(word, words) { return index(" " words " ", " " word " ") > 0 }
 function folder_of(path) { return sub(/\/[^\/]*$/, "", path) ? path : "." }

@@ -4,9 +4,7 @@
 
 #include "tests/check.h"
 
-static struct scree_pressing press(double overlap, double closing) {
-    return (struct scree_pressing){overlap, closing, 0.0, 0.0};
-}
+static struct scree_pressing press(double overlap, double closing) { return scree_pressed(overlap, closing, 0.0, 0.0); }
 
 static const struct scree_pair_constants no_pair = {{0.0}};
 

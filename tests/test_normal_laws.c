@@ -82,7 +82,7 @@ static void test_unit_values(void) {
         for (int row = 0; row < table->rows; row++) {
             double v = check_number(table, row, "v"), expected = check_number(table, row, columns[l]);
             struct scree_normal_force f =
-                force_of(&laws[l], (struct scree_pressing){check_number(table, row, "d"), v, l >= 3 ? 2.0 : 0.0, 0.0});
+                force_of(&laws[l], scree_pressed(check_number(table, row, "d"), v, l >= 3 ? 2.0 : 0.0, 0.0));
             double size = fabs(f.elastic) + fabs(f.damping * v);
             /* Lee & Wang's D is 0.75 (1 - e), that of the table 0.75. */
             NEAR(f.elastic + f.damping * v, expected, 2e-15 * size + 1e-15 * fabs(expected) + (l >= 3) * 1e-12 * size);
@@ -95,8 +95,8 @@ static void test_tsuji_table(void) {
     for (int row = 0; row < table->rows; row++) {
         double e = check_number(table, row, "e_nominal");
         struct normal pulls = unit_with("tsuji", "restitution", e), cut = unit_with("tsuji-cut", "restitution", e);
-        double alpha = force_of(&pulls, (struct scree_pressing){1.0, 1.0, 0.0, 0.0}).damping;
-        double alpha_cut = force_of(&cut, (struct scree_pressing){1.0, 1.0, 0.0, 0.0}).damping;
+        double alpha = force_of(&pulls, scree_pressed(1.0, 1.0, 0.0, 0.0)).damping;
+        double alpha_cut = force_of(&cut, scree_pressed(1.0, 1.0, 0.0, 0.0)).damping;
         NEAR(alpha, check_number(table, row, "alpha_T"), printed * (1.0 + alpha));
         /* Near e = 1 alpha is small, and e has the rounding of 1. */
         NEAR(alpha_cut, check_number(table, row, "alpha_C"), printed * (1.0 + alpha_cut));
@@ -202,7 +202,7 @@ static void test_family_tables(void) {
         double e = check_number(table, row, "e_requested"), got = check_number(table, row, "e_actual");
         double elastic = pow(1.25, 0.4), speed = 3.0;
         struct normal n = of_family(k, 1.5, e), linear = of_family(k, 1.0, e);
-        double d = force_of(&n, (struct scree_pressing){1.0, speed, 0.0, 0.0}).damping * speed;
+        double d = force_of(&n, scree_pressed(1.0, speed, 0.0, 0.0)).damping * speed;
         /* The root of the exact relation is flat near e = 1, where D is small: its rounding is that of e. */
         NEAR(d, check_number(table, row, "d_c"), 1e-13 * d + 1e-14);
         CLOSE(closed_form(&n, speed), got, 1e-13);
@@ -245,8 +245,7 @@ static void test_jankowski_table(void) {
         struct normal n = unit_with("jankowski", "restitution", e);
         struct normal calibrated =
             unit((scree_law_choice){"jankowski", 3, {{"stiffness", 1.0}, {"restitution", e}, {"calibrated", 1.0}}});
-        CLOSE(0.5 * force_of(&n, (struct scree_pressing){1.0, 1.0, 0.0, 0.0}).damping, check_number(table, row, "xi"),
-              1e-14);
+        CLOSE(0.5 * force_of(&n, scree_pressed(1.0, 1.0, 0.0, 0.0)).damping, check_number(table, row, "xi"), 1e-14);
         CLOSE(closed_form(&n, 1.0), check_number(table, row, "e_actual"), 1e-11); /* the table has about 11 digits */
         CLOSE(integrate(&n, 1.0).restitution, closed_form(&n, 1.0), integrated);
         CLOSE(integrate(&calibrated, 2.0).restitution, e, integrated);
@@ -329,7 +328,7 @@ static void test_thornton_table(void) {
         CLOSE(impact.force / yield_force, check_number(table, row, "Fmax_over_Fy"), integrated);
         /* The overlap that is left: where the unloading force has just vanished. */
         double left = check_number(table, row, "d_residual_over_dy") * yield_overlap;
-        struct scree_pressing just = {left * (1.0 + 1e-9), -1.0, impact.deepest, 0.0};
+        struct scree_pressing just = scree_pressed(left * (1.0 + 1e-9), -1.0, impact.deepest, 0.0);
         if (left > 1e-20) CHECK(force_of(&n, just).elastic > 0.0);
         just.overlap = left * (1.0 - 1e-9);
         CHECK(force_of(&n, just).elastic == 0.0);
@@ -461,7 +460,7 @@ static void walk(const struct normal *n, struct way way, int parts, struct scree
 
 static struct seen walk_all(const struct normal *n, int parts) {
     static const struct way ways[] = {{0.0, 4e-4}, {4e-4, 3.5e-4}, {3.5e-4, 6e-4}, {6e-4, 0.0}};
-    struct scree_pressing at = {1e-12, 0.1, 0.0, 0.0};
+    struct scree_pressing at = scree_pressed(1e-12, 0.1, 0.0, 0.0);
     struct scree_normal_force touch = force_of(n, at);
     at.first = touch.first;
     at.second = touch.second;
@@ -588,15 +587,14 @@ static void test_jkr_force(void) {
         /* Near the pull-off distance, x = 1, the overlap changes by 6 (x - 1)^2 only: its rounding counts 1/(x - 1)
          * times; at the distance itself rounding decides whether it still holds. */
         double beyond = sqrt(a / contact) - 1.0;
-        if (k > 0)
-            NEAR(force_of(&n, (struct scree_pressing){d, 0.0, 0.0, 1.0}).elastic, f, (1e-15 / beyond + 1e-14) * size);
+        if (k > 0) NEAR(force_of(&n, scree_pressed(d, 0.0, 0.0, 1.0)).elastic, f, (1e-15 / beyond + 1e-14) * size);
         least = fmin(least, f);
     }
     double at_least = -cbrt(3.0) * length;
-    CLOSE(force_of(&n, (struct scree_pressing){at_least, 0.0, 0.0, 1.0}).elastic, -1.5 * pi * w * radius, 1e-14);
+    CLOSE(force_of(&n, scree_pressed(at_least, 0.0, 0.0, 1.0)).elastic, -1.5 * pi * w * radius, 1e-14);
     CHECK(least >= -1.5 * pi * w * radius * (1.0 + 1e-14));
-    CHECK(force_of(&n, (struct scree_pressing){-1.001 * reach, 0.0, 0.0, 1.0}).second == 0.0);
-    CHECK(force_of(&n, (struct scree_pressing){-0.5 * length, 0.0, 0.0, 0.0}).second == 0.0); /* never touched */
+    CHECK(force_of(&n, scree_pressed(-1.001 * reach, 0.0, 0.0, 1.0)).second == 0.0);
+    CHECK(force_of(&n, scree_pressed(-0.5 * length, 0.0, 0.0, 0.0)).second == 0.0); /* never touched */
     struct normal dmt = make((scree_law_choice){"dmt", 2, {{"modulus", modulus}, {"adhesion", w}}}, 0.03, radius);
     CLOSE(force_of(&dmt, (struct scree_pressing){.overlap = 1e-300}).elastic, -2.0 * pi * w * radius, 1e-14);
     /* Too slow to part again. */

@@ -1,0 +1,307 @@
+/* The passes of a block of contacts through its laws: each is one loop over the lanes, made from the inline functions
+ * of the laws, so that there are as many loops as laws, not as products of laws. A law that says so (a slider) goes
+ * through several: what one of them divides, or takes the root of, the next one needs. Part of loop.c. */
+#ifndef SCREE_CONTACT_PASSES_H
+#define SCREE_CONTACT_PASSES_H
+
+#include "contact/block.h"
+#include "contact/law_list.h"
+#include "contact/slider.h"
+
+/* ---- normal and friction laws ---- */
+
+typedef void law_pass(struct block *b, int count, const struct scree_law_constants *law, const double *const *pair,
+                      double *const *kept, double step);
+
+/* What a force that is there at once, not growing from zero, adds in a step in which bodies meet or part: its share of
+ * the step, less what the law says of the middle of the step (`touching`). */
+static SCREE_INLINE double jump_of(const struct scree_normal_law *normal, const struct scree_law_constants *constants,
+                                   struct scree_pair_constants pair, struct scree_pressing at, double touching,
+                                   double share, double step) {
+    int held = normal->reach && at.second > 0.0; /* parting is farther off then */
+    if (normal->reach && held == (at.closing > 0.0)) return 0.0;
+    if (held) share = share_of(met_by(at.overlap + normal->reach(constants, pair), at.closing, step));
+    return (share - touching) * normal->jump(constants, pair, held);
+}
+
+static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
+    return (struct scree_roots){1, b->root[k], b->fourth[k]};
+}
+
+/* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step
+ * in which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The
+ * spring is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked
+ * up, not compared again: a second comparison would make a branch of the law, and no vector. */
+#define NORMAL_PASS(word)                                                                                              \
+    static inline void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,           \
+                                        const double *const *pair, double *const *kept, double step) {                 \
+        double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
+        struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                      \
+        struct scree_pressing at = scree_pressed(b->overlap[k], b->closing[k], 0.0, 0.0);                              \
+        if (scree_normal_##word.rooted) at.roots = roots_at(b, k);                                                     \
+        if (scree_normal_##word.memory) {                                                                              \
+            at.first = own[0][k];                                                                                      \
+            at.second = own[1][k];                                                                                     \
+        }                                                                                                              \
+        struct scree_normal_force f = normal_##word##_force(constants, of_pair, at);                                   \
+        if (scree_normal_##word.memory) {                                                                              \
+            own[0][k] = f.first;                                                                                       \
+            own[1][k] = f.second;                                                                                      \
+        }                                                                                                              \
+        if (scree_normal_##word.reach) {                                                                               \
+            b->touching[k] = f.second > 0.0 ? 1.0 : 0.0;                                                               \
+            b->snap[k] =                                                                                               \
+                b->touching[k] > at.second ? scree_snap_energy(scree_normal_##word.stored, constants, of_pair) : 0.0;  \
+        }                                                                                                              \
+        double touching = b->touching[k], share = b->share[k], spring = touching * f.elastic;                          \
+        b->reversible[k] = touching * f.reversible;                                                                    \
+        if (scree_normal_##word.jump) {                                                                                \
+            double jump = jump_of(&scree_normal_##word, constants, of_pair, at, touching, share, step);                \
+            spring += jump;                                                                                            \
+            b->reversible[k] += jump;                                                                                  \
+        }                                                                                                              \
+        double force = spring + share * f.damping * at.closing;                                                        \
+        b->force[k] = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                            \
+    }                                                                                                                  \
+    static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
+                                   const double *const *pair, double *const *kept, double step) {                      \
+        struct scree_law_constants constants = *law;                                                                   \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) normal_at_##word(b, k, &constants, pair, kept, step);                  \
+    }
+SCREE_NORMAL_LAWS(NORMAL_PASS)
+
+/* A contact as a friction law sees it: its memory belongs to the ends of steps, the velocity to their middle. */
+static SCREE_INLINE struct scree_sliding sliding_at(const struct block *b, int k, int memory, double *const *kept,
+                                                    double half) {
+    struct scree_sliding at = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0, .overlap = b->overlap[k], .half = half};
+    at.closing = b->closing[k];
+    at.velocity = vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
+    if (!memory) return at;
+    at.stretch = get_kept(kept, k);
+    at.sliding = kept[SCREE_KEPT_STATE][k];
+    return at;
+}
+
+static SCREE_INLINE struct scree_pair_constants friction_pair_at(const double *const *pair, int k) {
+    return (struct scree_pair_constants){{pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
+}
+
+static inline void put_friction(struct block *b, int k, double *const *kept, int memory, struct scree_tangential f) {
+    put(b->friction, k, f.force);
+    if (!memory) return;
+    put_kept(kept, k, vec_scale(b->touching[k], f.stretch));
+    kept[SCREE_KEPT_STATE][k] = b->touching[k] * f.sliding;
+}
+
+static inline void put_slider(struct block *b, int k, struct scree_slider slider) {
+    b->k[k] = slider.k;
+    b->drag[k] = slider.drag;
+    b->gone[k] = slider.gone;
+    b->goes[k] = slider.goes;
+    b->stays[k] = slider.stays;
+    b->holds[k] = slider.bears.holds;
+    b->slides[k] = slider.bears.slides;
+}
+
+/* One pass per friction law; of those that say what their slider is, the first of several. */
+#define FRICTION_PASS(word)                                                                                            \
+    static inline void friction_at_##word(struct block *b, int k, const struct scree_law_constants *constants,         \
+                                          const double *const *pair, double *const *kept, double half) {               \
+        struct scree_pair_constants of_pair = friction_pair_at(pair, k);                                               \
+        struct scree_sliding at = sliding_at(b, k, scree_friction_##word.memory, kept, half);                          \
+        if (scree_friction_##word.rooted) at.roots = roots_at(b, k);                                                   \
+        if (scree_friction_##word.grip)                                                                                \
+            put_slider(b, k, scree_friction_##word.grip(constants, of_pair, at));                                      \
+        else                                                                                                           \
+            put_friction(b, k, kept, scree_friction_##word.memory, friction_##word##_force(constants, of_pair, at));   \
+    }                                                                                                                  \
+    static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
+                                     const double *const *pair, double *const *kept, double step) {                    \
+        struct scree_law_constants constants = *law;                                                                   \
+        double half = 0.5 * step;                                                                                      \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half);                \
+    }
+SCREE_FRICTION_LAWS(FRICTION_PASS)
+
+/* ---- sliders, behind their first pass ---- */
+
+/* The stretch counts from the touch, not from the beginning of the step in which bodies meet: without this friction is
+ * of first order. Until the middle of the step, to which the laws add half of it, that is overlap/closing. */
+static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct vec s = get_kept(kept, k), slip = vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
+        double met = b->met[k], since = 0.5 * step * (met - 1.0);
+        since = b->closing[k] > 0.0 ? since : 0.0;
+        since = met > 0.0 ? since : 0.0;
+        since = met < 2.0 ? since : 0.0;
+        since = fabs(s.x) + fabs(s.y) + fabs(s.z) > 0.0 ? 0.0 : since;
+        put_kept(kept, k, vec_axpy(s, since, slip));
+    }
+}
+
+static void try_sliders(struct block *b, int count, double *const *kept) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct vec trial = scree_slider_trial(b->k[k], b->drag[k], get_kept(kept, k), get(b->slip, k));
+        put(b->trial, k, trial);
+        b->size[k] = vec_norm(trial);
+    }
+}
+
+static void share_sliders(struct block *b, int count) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) b->borne[k] = scree_slider_share(b->slides[k], b->size[k]);
+}
+
+static void end_sliders(struct block *b, int count, double *const *kept) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct scree_slider slider = {0.0, 0.0, b->gone[k], b->goes[k], b->stays[k], {b->holds[k], 0.0}};
+        put_friction(
+            b, k, kept, 1,
+            scree_slider_end(slider, get(b->trial, k), b->size[k], b->borne[k], get_kept(kept, k), get(b->slip, k)));
+    }
+}
+
+/* ---- rolling ---- */
+
+/* Columns for the rolling laws: lever x angular velocity of the ball against the host, m/s. */
+static inline struct vec turning_at(const struct block *b, int k, double lever) {
+    return vec_scale(lever, vec(b->ball_spin[0][k] - b->host_spin[0][k], b->ball_spin[1][k] - b->host_spin[1][k],
+                                b->ball_spin[2][k] - b->host_spin[2][k]));
+}
+
+/* One pass per rolling law: rolling, then twisting, at the lever of the pair. */
+#define ROLLING_PASS(word)                                                                                             \
+    static void rolling_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                 \
+                                    const double *const *pair, double *const *kept, double step) {                     \
+        struct scree_law_constants constants = *law;                                                                   \
+        double *const *own = kept + SCREE_KEPT_ROLLING;                                                                \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) {                                                                      \
+            double lever = pair[SCREE_PAIR_LEVER][k];                                                                  \
+            struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), velocity = turning_at(b, k, lever);                \
+            double along = vec_dot(velocity, n);                                                                       \
+            struct scree_sliding rolling = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0,                           \
+                                            .overlap = b->overlap[k],                                                  \
+                                            .half = 0.5 * step,                                                        \
+                                            .velocity = vec_axpy(velocity, -along, n)};                                \
+            struct scree_sliding twisting = rolling;                                                                   \
+            twisting.velocity = vec(along, 0.0, 0.0);                                                                  \
+            if (scree_rolling_##word.memory) {                                                                         \
+                rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);                   \
+                rolling.sliding = own[3][k];                                                                           \
+                twisting.stretch = vec(own[4][k], 0.0, 0.0);                                                           \
+                twisting.sliding = own[5][k];                                                                          \
+            }                                                                                                          \
+            struct scree_tangential r =                                                                                \
+                rolling_##word##_resist(&constants, constants.c[SCREE_ROLLING_COEFFICIENT], rolling);                  \
+            struct scree_tangential s =                                                                                \
+                rolling_##word##_resist(&constants, constants.c[SCREE_TWISTING_COEFFICIENT], twisting);                \
+            put(b->torque, k, vec_scale(lever, vec_axpy(r.force, s.force.x, n)));                                      \
+            b->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * along);                                   \
+            if (scree_rolling_##word.memory) {                                                                         \
+                put_kept(own, k, vec_scale(b->touching[k], r.stretch));                                                \
+                own[3][k] = b->touching[k] * r.sliding;                                                                \
+                own[4][k] = b->touching[k] * s.stretch.x;                                                              \
+                own[5][k] = b->touching[k] * s.sliding;                                                                \
+            }                                                                                                          \
+        }                                                                                                              \
+    }
+SCREE_ROLLING_LAWS(ROLLING_PASS)
+
+#define ENTRY(word) rolling_pass_##word,
+static law_pass *const rolling_passes[] = {SCREE_ROLLING_LAWS(ENTRY)};
+#undef ENTRY
+#define ENTRY(word) normal_pass_##word,
+static law_pass *const normal_passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
+#undef ENTRY
+#define ENTRY(word) friction_pass_##word,
+static law_pass *const friction_passes[] = {SCREE_FRICTION_LAWS(ENTRY)};
+#undef ENTRY
+
+/* ---- all of them ---- */
+
+/* Friction's state, kept in bytes, to a column and back. */
+static void unpack(const unsigned char *slides, int count, double *state) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) state[k] = slides[k];
+}
+
+static void pack(const double *state, int count, unsigned char *slides) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) slides[k] = (unsigned char)state[k];
+}
+
+/* Of contacts that aren't of two balls, stretches come into the tangent plane. */
+static void lean_stretches(const struct block *b, int count, double *const *kept) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++)
+        put_kept(kept, k, scree_into_tangent_plane(get_kept(kept, k), vec(b->n[0][k], b->n[1][k], b->n[2][k])));
+}
+
+/* What is the same for all blocks of a run of contacts, and where the columns of the next block are. */
+struct work {
+    const struct scree_batch *batch;
+    const struct scree_rule *rule;
+    struct wants wants;
+    int balls, rubs, slides; /* of two; with friction or rolling; with a slider of several passes */
+    const double *pair[SCREE_PAIR_COLUMNS];
+    double *kept[SCREE_MEMORY];
+};
+
+/* `first` is one of the contacts. */
+static inline struct work work_on(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                  const struct scree_batch *batch, int first, double step) {
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
+    const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
+    struct sizes sizes = {scree_goes_even(bodies, batch, rule->rolling >= 0), bodies->even + bodies->even,
+                          bodies->record[batch->ends[first].ball].limit};
+    return (struct work){.batch = batch,
+                         .rule = rule,
+                         .wants = {.step = step,
+                                   .sizes = sizes,
+                                   .rooted = scree_normal_laws[rule->normal]->rooted || (friction && friction->rooted),
+                                   .remembers = friction && friction->memory},
+                         .balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE,
+                         .rubs = friction || rule->rolling >= 0,
+                         .slides = friction && friction->grip};
+}
+
+/* Contacts from `first` on. */
+static inline void begin_at(struct work *w, int first) {
+    const struct scree_batch *batch = w->batch;
+    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) w->pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
+    for (int m = 0; m < SCREE_MEMORY; m++) w->kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
+}
+
+/* From gathered columns on, all passes but the last; `events`: as seen in meeting. */
+static void press(struct work *w, int first, int count, int events, struct block *b) {
+    const struct scree_rule *rule = w->rule;
+    const struct scree_batch *batch = w->batch;
+    double step = w->wants.step;
+    if (batch->slides) unpack(batch->slides + first, count, w->kept[SCREE_KEPT_STATE] = b->state);
+    if (events & CHANGES) share_out(count, step, b);
+    if (w->balls && w->rubs)
+        slide_balls(b, count, w->kept, w->wants);
+    else if (w->balls && w->wants.rooted)
+        find_fourth_roots(b, count);
+    else if (w->wants.remembers)
+        lean_stretches(b, count, w->kept);
+    normal_passes[rule->normal](b, count, &rule->normal_constants, w->pair, w->kept, step);
+    if (rule->friction >= 0)
+        friction_passes[rule->friction](b, count, &rule->friction_constants, w->pair, w->kept, step);
+    if (w->slides) {
+        if (events & CHANGES) begin_stretches(b, count, step, w->kept);
+        try_sliders(b, count, w->kept);
+        share_sliders(b, count);
+        end_sliders(b, count, w->kept);
+    }
+    if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, w->pair, w->kept, step);
+    if (batch->slides) pack(b->state, count, batch->slides + first);
+}
+
+#endif
