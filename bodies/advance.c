@@ -78,7 +78,7 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
     /* A plane turns about its normal only, so its turning moves no surface. */
     double reach = scree_kind_of(bodies, index)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
     double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(vec_from(record->w)) * reach;
-    return scree_outgrown(record, way, margin);
+    return scree_outgrown(&bodies->path[index], way, margin);
 }
 
 int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double time, double step,
@@ -91,7 +91,7 @@ int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double 
             double square =
                 scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
                                       scree_row_of(gravity), scree_flight_row(bodies, k));
-            too_far |= scree_outgrown(&bodies->record[k], step * sqrt(square), margin);
+            too_far |= scree_outgrown(&bodies->path[k], step * sqrt(square), margin);
         } else if (bodies->class[k] == SCREE_CLASS_GENERAL) {
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);
         }

@@ -13,11 +13,11 @@ static inline scree_row scree_row_times(double s, scree_row a) { return (scree_r
 
 /* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
  * half a step from now: then the path says so too. Written so that a NaN counts as too far. */
-static inline int scree_outgrown(struct scree_record *record, double way, double margin) {
-    record->path += way;
-    if (record->path + 0.5 * way <= margin) return 0;
-    record->path += 0.5 * way;
-    return 1;
+static inline int scree_outgrown(double *path, double way, double margin) {
+    double gone = *path + way, soon = gone + 0.5 * way;
+    int over = !(soon <= margin);
+    *path = over ? soon : gone;
+    return over;
 }
 
 #ifdef __AVX__

@@ -21,13 +21,14 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
     bodies->record = zeroed(n, sizeof *bodies->record);
     bodies->state = zeroed(n, sizeof *bodies->state);
     bodies->position = zeroed(n, sizeof *bodies->position);
+    bodies->path = zeroed(n, sizeof *bodies->path);
     bodies->class = zeroed(n, sizeof *bodies->class);
     bodies->kind_of = zeroed(n, sizeof *bodies->kind_of);
     bodies->number = zeroed(n, sizeof *bodies->number);
     bodies->place = zeroed(n, sizeof *bodies->place);
     bodies->slab = zeroed(n, sizeof *bodies->slab);
-    if (bodies->record && bodies->state && bodies->position && bodies->class && bodies->kind_of && bodies->number &&
-        bodies->place && bodies->slab && bodies->moved) {
+    if (bodies->record && bodies->state && bodies->path && bodies->position && bodies->class && bodies->kind_of &&
+        bodies->number && bodies->place && bodies->slab && bodies->moved) {
         for (int k = 0; k < count; k++) bodies->number[k] = bodies->place[k] = k;
         memset(bodies->slab, -1, n);
         return SCREE_OK;
@@ -41,6 +42,7 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     scree_memory_free(bodies->record);
     scree_memory_free(bodies->state);
     scree_memory_free(bodies->flight);
+    scree_memory_free(bodies->path);
     scree_memory_free(bodies->position);
     scree_memory_free(bodies->class);
     scree_memory_free(bodies->kind_of);

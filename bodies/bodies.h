@@ -26,7 +26,7 @@ struct scree_record {
     double x[3], radius;       /* centre, m; radius of the ball at the centre or at each corner, m */
     double v[3], inverse_mass; /* m/s; 1/kg, 0 if forces can't move the centre */
     double w[3], limit;        /* spin, rad/s; largest tolerable overlap, m */
-    double f[3], path;         /* impulse of the step, N s; way off its flight since the last list, m */
+    double f[3], unused;       /* impulse of the step, N s */
     double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
 };
 
@@ -109,6 +109,7 @@ struct scree_bodies {
     signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
     struct scree_state *state;
+    double *path;          /* way off the flight since the last list, m */
     float (*flight)[4];    /* see scree_flight_row; three of four numbers count (contact/flight.c). NULL: all zero */
     double (*position)[3]; /* at the end of the last step, m; not of members that hurry on to the next one */
     unsigned char *class;  /* enum scree_body_class */

@@ -203,7 +203,7 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
         double square =
             scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
                                   scree_row_of(gravity), scree_flight_row(bodies, k));
-        if (scree_outgrown(&bodies->record[k], step * sqrt(square), margin))
+        if (scree_outgrown(&bodies->path[k], step * sqrt(square), margin))
             __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
     }
     return too_far | look_at_others(bodies, time, step, gravity, margin, now);

@@ -8,6 +8,10 @@
 
 enum { FEW = 1024, PER_SLAB = 128 }; /* below so many members bodies aren't sorted; members of a slab at least */
 
+/* Slabs are some layers thick, so that few partners lie in the next one: the others lie in the next row, and are at
+ * hand still when their turn comes. But so many slabs at least, for threads to share, if they can be had. */
+enum { LAYERS = 4, LEAST_SLABS = 16 };
+
 static const double largest = 4.0; /* balls larger than this many mean radii are no members */
 
 static double mean_radius(const struct scree_bodies *bodies) {
@@ -57,7 +61,8 @@ static struct scree_order frame(const struct scree_bodies *bodies, double mean, 
     order.axis[0] = longest;
     order.axis[1] = longest == 0 ? 1 : 0; /* rows stand upright where they can */
     order.axis[2] = longest == 2 ? 1 : 2;
-    double reach = 2.0 * radius + range, slabs = floor(extent[longest] / (1.5 * reach));
+    double reach = 2.0 * radius + range, layers = extent[longest] / reach;
+    double slabs = fmin(floor(layers / 1.5), fmax(floor(layers / LAYERS), LEAST_SLABS));
     order.slabs = (int)fmin(fmin(slabs, count / PER_SLAB), SCREE_SLABS);
     if (order.slabs < 2) order.slabs = 1;
     order.width[0] = extent[longest] / order.slabs;
@@ -176,7 +181,7 @@ void scree_bodies_permute(struct scree_bodies *bodies, int *from) {
         {bodies->position, sizeof *bodies->position}, {bodies->class, sizeof *bodies->class},
         {bodies->kind_of, sizeof *bodies->kind_of},   {bodies->past, sizeof *bodies->past},
         {bodies->number, sizeof *bodies->number},     {bodies->calm, sizeof *bodies->calm},
-        {bodies->flight, sizeof *bodies->flight},
+        {bodies->flight, sizeof *bodies->flight},     {bodies->path, sizeof *bodies->path},
     };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         scree_permute(arrays[k].array, arrays[k].size, from, count);

@@ -7,7 +7,8 @@
  * number of threads.
  *
  * A body is finished when the slab that it belongs to and the one before are. Most are so as soon as the contacts of
- * their own slab have passed them by: they move on right behind the contacts, while they are at hand. */
+ * their own slab have passed them by: they move on right behind the contacts, while they are at hand. Those of a
+ * stretch's first slab that the slab before touches are lent to it, and move on after it. */
 #include "contact/loop.h"
 #include "contact/rest.h"
 
@@ -86,15 +87,10 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
 
 /* ---- slabs ---- */
 
-/* Slabs in a stretch. Long stretches have more bodies that move on at once; of few slabs they'd keep few threads
- * busy. */
-static int stretch_of(const struct scree_bodies *bodies) { return bodies->order.slabs < 32 ? 2 : 4; }
-
 struct slabs {
     struct scree_contacts *contacts;
     struct scree_bodies *bodies;
     double step;
-    int stretch;              /* slabs in one */
     scree_segment_work *work; /* with its argument */
     void *argument;
     const struct scree_departure *go; /* NULL: bodies stay where they are */
@@ -110,10 +106,11 @@ static void act_segment(void *argument, struct scree_contacts *contacts, struct 
         contacts->loop->act_straight(contacts, bodies, batch, segment->first, segment->count, step, tally, trail);
 }
 
-/* The members of a slab from place `from` on have all their impulses: on they go. */
-static void move_slab(const struct slabs *all, int slab, int from, struct scree_tally *tally) {
+/* The members of a slab from place `from` on have all their impulses: on they go; `lent`: those that waited. */
+static void move_slab(const struct slabs *all, int slab, int from, const unsigned char *lent, int only,
+                      struct scree_tally *tally) {
     const int *start = all->bodies->order.start;
-    if (all->go) tally->too_far |= all->contacts->loop->move(all->bodies, from, start[slab + 1], all->go);
+    if (all->go) tally->too_far |= all->contacts->loop->move(all->bodies, from, start[slab + 1], all->go, lent, only);
 }
 
 /* The last batch with contacts in a slab's segment, after which its bodies have all theirs; -1: none. */
@@ -127,19 +124,19 @@ static void act_slab(const struct slabs *all, int slab) {
     struct scree_contacts *contacts = all->contacts;
     struct scree_tally *tally = &contacts->tally[1 + slab];
     const int *start = all->bodies->order.start, last = last_batch(contacts, slab);
-    int lends = slab > 0 && slab % all->stretch == 0; /* the slab before has yet to push its bodies */
-    struct scree_trail trail = {all->go, start[slab]};
+    int lends = slab > 0 && slab % SCREE_STRETCH == 0; /* the slab before has yet to push some of its bodies */
+    struct scree_trail trail = {all->go, lends ? contacts->lent : NULL, start[slab]};
     *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1, 0};
     for (int k = 0; k <= last; k++) {
         const struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         const struct scree_part *segment = &batch->segment[1 + slab];
-        int follows = k == last && batch->geometry == SCREE_BALL_BALL && all->go && !lends;
+        int follows = k == last && batch->geometry == SCREE_BALL_BALL && all->go;
         if (segment->count)
             all->work(all->argument, contacts, all->bodies, batch, segment, all->step, tally, follows ? &trail : NULL);
     }
-    if (!lends) move_slab(all, slab, trail.next, tally);
-    if ((slab + 1) % all->stretch == 0 && slab + 1 < all->bodies->order.slabs)
-        move_slab(all, slab + 1, start[slab + 1], tally);
+    move_slab(all, slab, trail.next, trail.lent, 0, tally);
+    if ((slab + 1) % SCREE_STRETCH == 0 && slab + 1 < all->bodies->order.slabs)
+        move_slab(all, slab + 1, start[slab + 1], contacts->lent, 1, tally);
 }
 
 /* What slabs have summed up, in their order. */
@@ -160,7 +157,7 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
 /* Slabs of the stretch that begins with slab `first`, but for one that waits; `behind`: and the one that has waited for
  * the first. */
 static void act_stretch(const struct slabs *all, int first, int behind) {
-    int slabs = all->bodies->order.slabs, next = first + all->stretch, end = next < slabs ? next - 1 : slabs;
+    int slabs = all->bodies->order.slabs, next = first + SCREE_STRETCH, end = next < slabs ? next - 1 : slabs;
     act_slab(all, first);
     if (behind) act_slab(all, first - 1);
     for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
@@ -169,17 +166,17 @@ static void act_stretch(const struct slabs *all, int first, int behind) {
 /* By several threads: they take stretches one after the other, and between these, some stretches later, the slabs that
  * waited. So nobody has to wait long, and what is taken last is small. */
 static void act_shared(const struct slabs *all, int threads) {
-    int slabs = all->bodies->order.slabs, stretches = (slabs + all->stretch - 1) / all->stretch;
+    int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
     atomic_char done[SCREE_SLABS] = {0};
 #pragma omp parallel for schedule(monotonic : dynamic) num_threads(threads)
     for (int turn = 0; turn < 2 * (stretches + threads); turn++) {
         int own = turn / 2, before = own - threads;
         if (turn % 2 == 0 && own < stretches) {
-            act_stretch(all, own * all->stretch, 0);
+            act_stretch(all, own * SCREE_STRETCH, 0);
             atomic_store(&done[own], 1);
         } else if (turn % 2 == 1 && before > 0 && before < stretches) {
             while (!atomic_load(&done[before - 1]) || !atomic_load(&done[before])) sched_yield();
-            act_slab(all, before * all->stretch - 1);
+            act_slab(all, before * SCREE_STRETCH - 1);
         }
     }
 }
@@ -188,19 +185,20 @@ static void act_slabs(const struct slabs *all, int threads) {
     if (threads > 1)
         act_shared(all, threads);
     else
-        for (int first = 0; first < all->bodies->order.slabs; first += all->stretch) act_stretch(all, first, first > 0);
+        for (int first = 0; first < all->bodies->order.slabs; first += SCREE_STRETCH)
+            act_stretch(all, first, first > 0);
     add_tallies(all->contacts, all->bodies);
 }
 
 void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                              scree_segment_work *work, void *argument) {
-    struct slabs all = {contacts, bodies, step, stretch_of(bodies), work, argument, NULL};
+    struct slabs all = {contacts, bodies, step, work, argument, NULL};
     if (bodies->order.slabs) act_slabs(&all, threads);
 }
 
 int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                                 const struct scree_departure *go) {
-    struct slabs all = {contacts, bodies, step, stretch_of(bodies), act_segment, NULL, go};
+    struct slabs all = {contacts, bodies, step, act_segment, NULL, go};
     for (int k = 0; k < contacts->busy_batches; k++)
         act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
     if (bodies->order.slabs) act_slabs(&all, threads);

@@ -556,7 +556,7 @@ static inline double haste_of(const struct scree_record *record) {
 static inline int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
                             const struct scree_run *run, double step) {
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
-    double way = a->path + b->path - run->from;
+    double way = bodies->path[contact->ball] + bodies->path[contact->host] - run->from;
     if (way < run->clear && way + step * (haste_of(a) + haste_of(b)) < run->clear) return 0;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
     return !scree_meet_as_rectangles(&boxes, run->first);

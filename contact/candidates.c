@@ -270,7 +270,7 @@ static void look_around(struct seeker *s, int k, int level, double reach, int ow
 static void look(struct seeker *s, int k) {
     const struct scree_contacts *contacts = s->contacts;
     const struct grids *grids = s->grids;
-    double reach = reach_of(contacts, &s->bodies->record[k]), more = -s->bodies->record[k].path;
+    double reach = reach_of(contacts, &s->bodies->record[k]), more = -s->bodies->path[k];
     int own = grids->level[k];
     for (int p = 0; p < contacts->planes; p++)
         if (bounds_meet(contacts, s->bodies, contacts->plane[p], k)) add_partner(s, k, contacts->plane[p]);

@@ -43,7 +43,9 @@ static scree_status make_numbers(struct scree_contacts *contacts, size_t bodies)
     contacts->spare = scree_memory((bodies + 1) * sizeof *contacts->spare);
     contacts->widest = scree_memory((bodies + 1) * sizeof *contacts->widest);
     contacts->plane = scree_memory((bodies + 1) * sizeof *contacts->plane);
-    return contacts->spare && contacts->widest && contacts->plane ? SCREE_OK : SCREE_NO_MEMORY;
+    contacts->lent = scree_memory(bodies + 1);
+    int ok = contacts->spare && contacts->widest && contacts->plane && contacts->lent;
+    return ok ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
 scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, int materials,
@@ -102,6 +104,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     scree_memory_free(contacts->rough.memory);
     scree_memory_free(contacts->boxes.memory);
     scree_memory_free(contacts->plane);
+    scree_memory_free(contacts->lent);
     scree_memory_free(contacts->rest.border);
     scree_memory_free(contacts->rest.on_border);
     free(contacts->returned);

@@ -327,6 +327,7 @@ struct scree_contacts {
     double widest_margin; /* and that is the most that one has */
     double step;          /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
     float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
+    unsigned char *lent;  /* [place]: 1: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
     struct scree_space boxes;
@@ -371,7 +372,7 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
                                 double reach);
 
 /* Make outer and near lists from the records as they are; carries contact memory over, gives every body its margin:
- * `path` in its record is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists
+ * its `path` is set so that it reaches half the skin when lists must be looked at. SCREE_NO_MEMORY: the lists
  * can't be used (`broken`), but what is kept of contacts is all there. */
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
@@ -506,11 +507,15 @@ scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct
 void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
                             const struct scree_batch *batch, int block);
 
+/* Slabs go in stretches of so many, which don't depend on each other but for the last slab of each (act.c). */
+enum { SCREE_STRETCH = 4 };
+
 /* Members of a slab that may move on behind its contacts, which come by rising place of their first body: from place
- * `next` on, those before the first body of all contacts to come. Who moves them advances `next`, and need not move
- * all. */
+ * `next` on, those before the first body of all contacts to come; but for those that are lent (NULL: none is). Who
+ * moves them advances `next`, and need not move all. */
 struct scree_trail {
     const struct scree_departure *go;
+    const unsigned char *lent;
     int next;
 };
 
@@ -544,7 +549,7 @@ static inline int scree_compare_contacts(const struct scree_contact *a, const st
 static inline double scree_left_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i,
                                    int j) {
     double half = 0.5 * contacts->skin;
-    return (half - bodies->record[i].path) + (half - bodies->record[j].path);
+    return (half - bodies->path[i]) + (half - bodies->path[j]);
 }
 
 /* The velocity of a body's flight, m/s. */

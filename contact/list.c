@@ -352,11 +352,11 @@ static void widen_margins(struct scree_contacts *contacts, const struct scree_bo
     if (many) steps = fmin(half / (4.0 * mean_way(contacts, bodies) + SCREE_NO_SPEED), 2000.0);
     contacts->widest_margin = half;
     for (int k = 0; k < bodies->count; k++) {
-        bodies->record[k].path = 0.0;
+        bodies->path[k] = 0.0;
         if (!many || bodies->class[k] != SCREE_CLASS_BALL) continue;
         double margin = fmin(1.5 * steps * way_of(contacts, bodies, k), contacts->most_margin);
         if (!(margin > 2.0 * half)) continue; /* one costs as much as a dozen others: only where it must be */
-        bodies->record[k].path = half - margin;
+        bodies->path[k] = half - margin;
         contacts->widest_margin = fmax(contacts->widest_margin, margin);
     }
 }
@@ -373,7 +373,6 @@ static float at_most(double way) {
 /* Give a body a margin out of what the outer list has left it: where bodies are many, so wide that it lasts for
  * `steps`. 0 if too little is left. */
 static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
-    struct scree_record *record = &bodies->record[k];
     double half = 0.5 * contacts->skin, spare = (double)contacts->spare[k];
     double least = half / 80.0, most = larger(half, spare) / 2.0, way = way_of(contacts, bodies, k);
     double margin = lesser(larger(steps * way, least), most);
@@ -381,7 +380,7 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
     margin = lesser(larger(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
     contacts->spare[k] = at_most(spare - margin);
-    record->path = half - margin;
+    bodies->path[k] = half - margin;
     return 1;
 }
 
@@ -403,8 +402,8 @@ static void grant_all(struct scree_contacts *contacts, const struct scree_bodies
     look_forward(contacts, bodies, steps);
     for (int k = 0; k < bodies->count; k++) {
         int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
-        contacts->spare[k] = at_most(half - bodies->record[k].path);
-        if (fixed) bodies->record[k].path = half;
+        contacts->spare[k] = at_most(half - bodies->path[k]);
+        if (fixed) bodies->path[k] = half;
         if (fixed || grant(contacts, bodies, k, steps)) continue;
         contacts->spare[k] = 0.0F; /* so fast that it takes all at once */
     }
@@ -558,7 +557,7 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         /* What is left of its margin, or what it went beyond. */
-        contacts->spare[k] = at_most((double)contacts->spare[k] + (half - bodies->record[k].path));
+        contacts->spare[k] = at_most((double)contacts->spare[k] + (half - bodies->path[k]));
         if (grant(contacts, bodies, k, last)) continue;
         return scree_contacts_list(contacts, bodies, threads, trouble);
     }

@@ -113,69 +113,125 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
     }
 }
 
-/* So that it is at hand later. */
-static SCREE_INLINE void call(const void *array, size_t offset, size_t size) {
-    for (size_t line = 0; line < size; line += 64)
-        __builtin_prefetch((const void *)((uintptr_t)array + offset + line), 1);
+/* ---- memory ---- */
+
+/* Bodies lie in the order in which contacts come to them, so that a scene goes through the cache once a step: from
+ * AHEAD bodies before they are needed. Into the second cache: the first has few places for what is on its way. Partners
+ * that lie farther (of the next slab) are asked for by themselves. Fewer than MANY bodies stay in the caches. */
+enum { AHEAD = 192, BLOCKS_AHEAD = 3, MANY = 16384 };
+
+/* Inlined: a function that does nothing but ask is none to a compiler that looks for effects. */
+static SCREE_INLINE void call(const void *array, size_t from, size_t to) {
+    for (const char *line = (const char *)array + from, *end = (const char *)array + to; line < end; line += 64)
+        __builtin_prefetch(line, 0, 2);
 }
 
-/* A quarter of what the blocks to come need is asked for after each pass: partners of the next one, contacts and memory
- * of the one after. Asked for at once it would wait in a queue, and the passes behind it. Who comes first in its
- * contacts is read in order, which the processor sees by itself. */
-enum { QUARTER = SCREE_LANES / 4 };
-static SCREE_INLINE void call_ahead(const struct work *w, const struct scree_ends *own, const struct ends *next,
-                                    int left, int quarter) {
-    int from = quarter * QUARTER, to = left < from + QUARTER ? left : from + QUARTER;
-    for (int k = from; k < to; k++) call(next->host[k], 0, sizeof *next->host[k]);
-    call(own + 2 * SCREE_LANES + from, 0, QUARTER * sizeof *own);
+static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, int from, int to) {
+    call(bodies->record, (size_t)from * sizeof *bodies->record, (size_t)to * sizeof *bodies->record);
+    call(bodies->state, (size_t)from * sizeof *bodies->state, (size_t)to * sizeof *bodies->state);
+}
+
+/* Those of a block that lie beyond a place. */
+static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struct scree_ends *own, int beyond) {
+    uint32_t far = 0;
+    for (int k = 0; k < SCREE_LANES; k++) far |= (uint32_t)((own[k].host > beyond) | (own[k].ball > beyond)) << k;
+    for (; far; far &= far - 1) {
+        int k = __builtin_ctz(far), later = own[k].host > own[k].ball ? own[k].host : own[k].ball;
+        call(&bodies->record[later], 0, sizeof *bodies->record);
+    }
+}
+
+static inline int first_of(const struct scree_ends *own) { return own->ball < own->host ? own->ball : own->host; }
+
+/* A quarter of it is asked for after each pass: at once it would wait in a queue, and the passes behind it. `called`:
+ * bodies before this place have been. */
+static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const struct work *w,
+                                    const struct scree_ends *own, int left, int quarter, int *called) {
+    enum { QUARTER = SCREE_LANES / 4 };
+    if (bodies->count < MANY) return;
+    int first = first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
+    int from = *called > first ? *called : first, to = from + (goal - from + 3 - quarter) / (4 - quarter);
+    size_t later = (size_t)(BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER);
+    if (to > from) call_bodies(bodies, from, *called = to);
+    if (quarter == 0 && left > BLOCKS_AHEAD * SCREE_LANES)
+        call_far(bodies, own + (BLOCKS_AHEAD - 1) * SCREE_LANES, first + AHEAD);
+    call(own, later * sizeof *own, (later + QUARTER) * sizeof *own);
     for (int m = 0; w->wants.remembers && m < 3; m++)
-        call(w->kept[m] + 2 * SCREE_LANES + from, 0, QUARTER * sizeof(double));
+        call(w->kept[m], later * sizeof(double), (later + QUARTER) * sizeof(double));
 }
 
 /* ---- bodies ---- */
 
-enum { FAR = 24 }; /* bodies between one that moves and the one whose state is asked for; records are at hand */
+/* Whether all of some bytes have a value. */
+static inline int all_are(const unsigned char *byte, int count, int value) {
+    int others = 0;
+    for (int k = 0; k < count; k++) others |= byte[k] != value;
+    return !others;
+}
 
-/* In two passes over some bodies at a time: a root at the end of each body's chain would hold up the next. */
-static int move_some(struct scree_bodies *bodies, int from, int count, const struct scree_departure *go) {
-    double square[SCREE_LANES], way[SCREE_LANES];
+/* One body goes on; the square of its speed off its flight, as far as lists mind. */
+static SCREE_INLINE double move_one(struct scree_bodies *bodies, int k, const struct scree_departure *go,
+                                    scree_row gravity, scree_row next) {
+    struct scree_record *record = &bodies->record[k];
+    if (bodies->class[k] != SCREE_CLASS_BALL) {
+        memset(record->f, 0, sizeof record->f);
+        memset(record->t, 0, sizeof record->t);
+        return 0.0;
+    }
+    struct scree_ball_rows rows = scree_ball_advance(record, &bodies->state[k], go->step, gravity);
+    if (go->ahead) return scree_ball_look_ahead(record, rows, go->step, next, scree_flight_row(bodies, k));
+    scree_ball_stay(rows, bodies->position[k]);
+    return 0.0;
+}
+
+/* The same of a ball that goes straight on to the middle of the next step. */
+static SCREE_INLINE double hurry_one(struct scree_record *record, struct scree_state *state, const float *flight,
+                                     double step, scree_row gravity, scree_row next) {
+    return scree_ball_look_ahead(record, scree_ball_advance(record, state, step, gravity), step, next, flight);
+}
+
+/* In two passes over some bodies at a time: a root at the end of each body's chain would hold up the next. `lent`: see
+ * scree_loop. */
+static int move_some(struct scree_bodies *bodies, int from, int count, const struct scree_departure *go,
+                     const unsigned char *lent, int only) {
+    double square[SCREE_LANES], step = go->step, margin = go->margin, *path = bodies->path + from;
     scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
-    int too_far = 0;
-    for (int k = 0; k < count; k++) {
-        struct scree_record *record = &bodies->record[from + k];
-        call(&bodies->state[from + k], FAR * sizeof *bodies->state, sizeof *bodies->state);
-        square[k] = 0.0;
-        if (bodies->class[from + k] == SCREE_CLASS_ASLEEP) continue;
-        if (bodies->class[from + k] != SCREE_CLASS_BALL) {
-            memset(record->f, 0, sizeof record->f);
-            memset(record->t, 0, sizeof record->t);
-            continue;
+    int plain = all_are(bodies->class + from, count, SCREE_CLASS_BALL) && (!lent || all_are(lent + from, count, only));
+    if (plain && go->ahead) {
+        struct scree_record *record = bodies->record + from;
+        struct scree_state *state = bodies->state + from;
+        int flies = bodies->flight != NULL;
+        const float *flight = scree_flight_row(bodies, from);
+        for (int k = 0; k < count; k++)
+            square[k] = hurry_one(&record[k], &state[k], flight + (flies ? 4 * k : 0), step, gravity, next);
+    } else {
+        for (int k = 0; k < count; k++) {
+            int stays = bodies->class[from + k] == SCREE_CLASS_ASLEEP || (lent && lent[from + k] != only);
+            square[k] = stays ? 0.0 : move_one(bodies, from + k, go, gravity, next);
         }
-        struct scree_state *state = &bodies->state[from + k];
-        struct scree_ball_rows rows = scree_ball_advance(record, state, go->step, gravity);
-        if (go->ahead)
-            square[k] = scree_ball_look_ahead(record, rows, go->step, next, scree_flight_row(bodies, from + k));
-        else
-            scree_ball_stay(rows, bodies->position[from + k]);
     }
     if (!go->ahead) return 0;
-    _Pragma("omp simd")
-    for (int k = 0; k < count; k++) way[k] = go->step * sqrt(square[k]);
-    for (int k = 0; k < count; k++) too_far |= scree_outgrown(&bodies->record[from + k], way[k], go->margin);
+    int too_far = 0;
+    _Pragma("omp simd reduction(| : too_far)")
+    for (int k = 0; k < count; k++) too_far |= scree_outgrown(&path[k], step * sqrt(square[k]), margin);
     return too_far;
 }
 
-static int all_sleep(const struct scree_bodies *bodies, int from, int count) {
-    int awake = 0;
-    for (int k = from; k < from + count; k++) awake |= bodies->class[k] != SCREE_CLASS_ASLEEP;
-    return !awake;
+/* Whether none of some bodies moves on. */
+static int all_stay(const struct scree_bodies *bodies, int from, int count, const unsigned char *lent, int only) {
+    int some = 0;
+    for (int k = from; k < from + count; k++)
+        some |= (bodies->class[k] != SCREE_CLASS_ASLEEP) & (!lent || lent[k] == only);
+    return !some;
 }
 
-static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go) {
+static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
+                const unsigned char *lent, int only) {
     int too_far = 0;
     for (int k = from; k < to; k += SCREE_LANES) {
         int count = to - k < SCREE_LANES ? to - k : SCREE_LANES;
-        if (!bodies->calm || !all_sleep(bodies, k, count)) too_far |= move_some(bodies, k, count, go);
+        if ((bodies->calm || only) && all_stay(bodies, k, count, lent, only)) continue;
+        too_far |= move_some(bodies, k, count, go, lent, only);
     }
     return too_far;
 }
@@ -187,7 +243,7 @@ static int move(struct scree_bodies *bodies, int from, int to, const struct scre
 static __attribute__((noinline)) void follow(struct scree_bodies *bodies, int first, struct scree_trail *trail,
                                              struct scree_tally *tally) {
     for (; trail->next + SCREE_LANES <= first; trail->next += SCREE_LANES)
-        tally->too_far |= move_some(bodies, trail->next, SCREE_LANES, trail->go);
+        tally->too_far |= move_some(bodies, trail->next, SCREE_LANES, trail->go, trail->lent, 0);
 }
 
 static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
@@ -198,28 +254,26 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     const struct scree_ends *own = batch->ends + first;
     struct scree_contact contact[SCREE_LANES];
     struct work w = work_on(contacts, bodies, batch, first, step);
-    int deeds = deeds_of(batch, w.rule), turn = 0;
+    int deeds = deeds_of(batch, w.rule), turn = 0, called = 0;
     find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
     for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
         int left = count - done - here < SCREE_LANES ? count - done - here : SCREE_LANES;
-        const struct ends *next = &ends[!turn];
         w.wants.most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
         if (left) find_ends(bodies, own + here, left, &ends[!turn]);
         begin_at(&w, first + done);
-        call_ahead(&w, own, next, left, 0);
+        call_ahead(bodies, &w, own, count - done, 0, &called);
         name_contacts(batch, first + done, here, contact);
         int events = gather(bodies, contact, &ends[turn], here, batch->geometry, w.wants, &b);
-        call_ahead(&w, own, next, left, 1);
+        call_ahead(bodies, &w, own, count - done, 1, &called);
         press(&w, first + done, here, events, &b);
-        call_ahead(&w, own, next, left, 2);
+        call_ahead(bodies, &w, own, count - done, 2, &called);
         push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, step);
-        call_ahead(&w, own, next, left, 3);
+        call_ahead(bodies, &w, own, count - done, 3, &called);
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) note_losses(&b, here, w.rule, step, tally);
-        if (trail && left)
-            follow(bodies, own[here].ball < own[here].host ? own[here].ball : own[here].host, trail, tally);
+        if (trail && left) follow(bodies, first_of(own + here), trail, tally);
     }
 }
 

@@ -14,8 +14,9 @@ struct scree_loop {
     void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally,
                          struct scree_trail *trail);
-    /* Bodies from … to - 1, free or frozen balls, go on (scree_departure). */
-    int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go);
+    /* Bodies from … to - 1, free or frozen balls, go on (scree_departure): those that aren't lent, or only those. */
+    int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
+                const unsigned char *lent, int only);
     /* As many contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Bits of those
      * that it can't do are set, and their lanes left alone. */
     uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,

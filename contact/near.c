@@ -216,10 +216,11 @@ struct view {
     unsigned char near[SCREE_LANES];
 };
 
-/* So that it is at hand when the next ones are looked over: where a body is, and its path. */
-static inline void call(const struct scree_record *record) {
-    __builtin_prefetch(record->x);
-    __builtin_prefetch(record->f);
+/* So that it is at hand when the next ones are looked over: where a body is, and its path. Inlined: a function that
+ * does nothing but ask is none to a compiler that looks for effects. */
+static SCREE_INLINE void call(const struct scree_bodies *bodies, int k) {
+    __builtin_prefetch(bodies->record[k].x);
+    __builtin_prefetch(&bodies->path[k]);
 }
 
 static void read_ahead(const struct scree_bodies *bodies, struct view *view) {
@@ -227,8 +228,8 @@ static void read_ahead(const struct scree_bodies *bodies, struct view *view) {
     view->left -= view->to_come;
     for (int k = 0; k < view->to_come; k++) {
         view->next[k] = scree_next_outer(&view->outer);
-        call(&bodies->record[view->next[k].ball]);
-        call(&bodies->record[view->next[k].host]);
+        call(bodies, view->next[k].ball);
+        call(bodies, view->next[k].host);
     }
 }
 
@@ -383,7 +384,7 @@ static struct scree_run run_of(const struct scree_contacts *contacts, const stru
     int holds_on = scree_normal_laws[contacts->rule[batch->rule].normal]->reach != NULL; /* beyond touch */
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
     double clear = scree_cores_apart(&boxes) - boxes.rounding_a - boxes.rounding_b;
-    double from = bodies->record[contact->ball].path + bodies->record[contact->host].path;
+    double from = bodies->path[contact->ball] + bodies->path[contact->host];
     return (struct scree_run){start, holds_on ? 0.0 : clear, from, scree_first_rectangles(&boxes)};
 }
 
@@ -408,6 +409,22 @@ static scree_status find_runs(const struct scree_contacts *contacts, const struc
     return SCREE_OK;
 }
 
+/* Who has contacts in a stretch that ends before its own begins. */
+static void mark_lent(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    for (int slab = SCREE_STRETCH; slab < bodies->order.slabs; slab += SCREE_STRETCH) {
+        int start = bodies->order.start[slab];
+        memset(contacts->lent + start, 0, (size_t)(bodies->order.start[slab + 1] - start));
+        for (int b = 0; b < contacts->batches; b++) {
+            const struct scree_batch *batch = &contacts->batch[b];
+            const struct scree_part *before = &batch->segment[slab]; /* that of the slab before: 1 + slab - 1 */
+            for (int k = before->first; k < before->first + before->count; k++) {
+                int ball = batch->ends[k].ball, host = batch->ends[k].host, later = ball > host ? ball : host;
+                if (later >= start) contacts->lent[later] = 1;
+            }
+        }
+    }
+}
+
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble) {
     contacts->rest.stale = 1;
@@ -420,6 +437,7 @@ scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct s
         if (!status && batch->geometry == SCREE_EDGE_EDGE) status = find_runs(contacts, bodies, batch, trouble);
         if (!status && !batch->uniform) status = scree_pair_constants(contacts, bodies, batch, trouble);
     }
+    if (!status) mark_lent(contacts, bodies);
     contacts->broken |= status != SCREE_OK;
     return status;
 }

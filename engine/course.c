@@ -55,8 +55,8 @@ static double lengthen_paths(struct scree_scene *scene, double time, const doubl
         double way = vec_norm(moved) + time * reach * vec_norm(vec_from(record->w));
         for (int axis = 0; axis < 3; axis++)
             if (joint->along[axis] == SCREE_DRIVEN) way += time * fabs(record->v[axis]);
-        longest = fmax(longest, way + (keep ? record->path : 0.0));
-        if (keep) record->path += way;
+        longest = fmax(longest, way + (keep ? scene->bodies.path[k] : 0.0));
+        if (keep) scene->bodies.path[k] += way;
     }
     return longest;
 }
@@ -441,7 +441,7 @@ static scree_status integrate(struct scree_scene *scene) {
         if (flown) continue;
         double longest = 0.0;
         for (int k = 0; k < scene->bodies.count; k++)
-            if (scene->adaptive->at[k] >= 0) longest = fmax(longest, scene->bodies.record[k].path);
+            if (scene->adaptive->at[k] >= 0) longest = fmax(longest, scene->bodies.path[k]);
         if (longest > longest_way * scene->contacts.skin) {
             status = scree_adaptive_list(scene);
             c.fresh = 1;

@@ -244,7 +244,7 @@ static void test_strays(void) {
                        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
                        "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
                        "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.011\n"
-                       "jitter = 4e-4\nmin = [0, 0, 0]\nmax = [0.11, 0.11, 1]\ncount = 5000\nmaterial = \"ball\"\n"
+                       "jitter = 4e-4\nmin = [0, 0, 0]\nmax = [0.165, 0.165, 1]\ncount = 5000\nmaterial = \"ball\"\n"
                        "seed = 3\n";
     scree_scene *scene = scene_from(text, NULL, 0, 1);
     struct scree_contacts *contacts = &scene->contacts;
@@ -252,7 +252,7 @@ static void test_strays(void) {
     CHECK(scene->bodies.order.slabs > 4);
     for (int k = members; k < scene->bodies.count; k++) { /* those about the middle line */
         struct scree_record *record = &scene->bodies.record[k];
-        if (hypot(record->x[0] - 0.055, record->x[1] - 0.055) < 0.016) record->v[across] = 40.0;
+        if (hypot(record->x[0] - 0.0825, record->x[1] - 0.0825) < 0.016) record->v[across] = 40.0;
     }
     CHECK(scree_contacts_list(contacts, &scene->bodies, 1, NULL) == SCREE_OK); /* now all have flights */
     for (int turn = 0; turn < 400; turn++) {

@@ -483,8 +483,7 @@ static void test_periodic_shift(void) {
                     scene[s]->bodies.record[k].x[axis] += way;
                 }
             }
-            for (int k = 0; k < scene[s]->bodies.count; k++)
-                scene[s]->bodies.record[k].path = HUGE_VAL; /* a new list */
+            for (int k = 0; k < scene[s]->bodies.count; k++) scene[s]->bodies.path[k] = HUGE_VAL; /* a new list */
         }
         long seen = 0;
         for (int look = 0; look < 30; look++) {
@@ -654,7 +653,7 @@ static void test_periodic_slabs(void) {
     go(scene[1], ALL);
     go(scene[3], ALL - PART);
     for (int k = 0; k < ALL; k++) {
-        for (int j = 0; k % 37 == 0 && j < scene[2]->bodies.count; j++) scene[2]->bodies.record[j].path = HUGE_VAL;
+        for (int j = 0; k % 37 == 0 && j < scene[2]->bodies.count; j++) scene[2]->bodies.path[j] = HUGE_VAL;
         go(scene[2], 1);
     }
     check_crowd(scene[0]);
