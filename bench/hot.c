@@ -1,5 +1,5 @@
 /* scree-bench hot: the contact loop at scale, on settled beds of spheres, through the public functions. */
-#include "bench/bench.h"
+#include "bench/roofline.h"
 
 #include "contact/loop.h"
 
@@ -34,8 +34,13 @@ static const char help[] =
     "touch per\n"
     "body, and that are computed; nanoseconds per touching contact and step; near lists made during the repeats, and "
     "nanoseconds per\n"
-    "body for each; the same for outer lists; bytes of memory per body (resident, all told but the program); hash of "
-    "the state.\n"
+    "body for each; the same for outer lists; bytes of memory per body (resident, all told but the program); of one "
+    "contact in the\n"
+    "loop alone, by Verlet on one thread: nanoseconds, instructions where the machine counts them, sums and products, "
+    "bytes; nanoseconds\n"
+    "that the machine takes at least for these (measured at best on the spot), for its quotients and roots, for its "
+    "bytes from a field as\n"
+    "large as the bed; how many times as long as the longest of these it takes; hash of the state.\n"
     "\n"
     "example: scree-bench hot --bodies 10000 --steps 100 --repeats 9\n";
 
@@ -222,13 +227,16 @@ static double resident(void) {
  * its near list. What is left of a step is the moving of bodies. */
 struct stages {
     double contacts, near, outer;
+    double instructions; /* per body, of the contacts; negative: unknown */
 };
 
 static struct stages time_stages(scree_scene *scene, int bodies, int threads, int steps) {
     struct stages stages;
+    bench_count_on();
     double start = bench_now();
     for (int k = 0; k < steps; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, threads);
     stages.contacts = (bench_now() - start) / ((double)steps * bodies) * 1e9;
+    stages.instructions = bench_counted() / ((double)steps * bodies);
     start = bench_now();
     check(scene, scree_contacts_pick(&scene->contacts, &scene->bodies, threads, NULL));
     stages.near = (bench_now() - start) / bodies * 1e9;
@@ -249,6 +257,22 @@ static int count_touching(const scree_scene *scene) {
     return count;
 }
 
+/* A contact in the loop alone beside what the machine can do; empty fields where that isn't known. */
+static void print_roofline(const scree_scene *scene, const struct request *request, const struct stages *stages,
+                           double listed) {
+    struct bench_work work = bench_contact_work(scene, request->laws, listed);
+    if (!work.flops || request->threads > 1 || request->integrator != SCREE_VERLET) {
+        printf(",,,,,,,,");
+        return;
+    }
+    double bytes = work.bytes * listed * (scree_scene_bodies(scene) - WALLS), time = stages->contacts / listed;
+    struct bench_limit limit = bench_limit_of(work, scene->contacts.loop->name, bytes);
+    printf("%.2f,", time);
+    if (stages->instructions >= 0.0) printf("%.0f", stages->instructions / listed);
+    printf(",%d,%.0f,%.2f,%.2f,%.2f,%.2f,", work.flops, work.bytes, limit.arithmetic, limit.divider, limit.memory,
+           time / limit.least);
+}
+
 static void run(const struct request *request) {
     static double times[MOST_REPEATS];
     struct bed bed = bed_of(request->bodies, request->tiles);
@@ -259,7 +283,8 @@ static void run(const struct request *request) {
     int bodies = scree_scene_bodies(scene) - WALLS;
     bench_describe_machine();
     printf("isa,laws,bodies,threads,body_step_ns,least_ns,contacts_alone_ns,contacts_per_body,listed_per_body,"
-           "contact_step_ns,near_lists,near_list_ns,outer_lists,outer_list_ns,bytes_per_body,hash\n");
+           "contact_step_ns,near_lists,near_list_ns,outer_lists,outer_list_ns,bytes_per_body,"
+           "contact_ns,instructions,flops,bytes,flops_ns,divider_ns,bytes_ns,over_limit,hash\n");
     fflush(stdout);
     bench_step(scene, request->settle);
     if (request->write) write_bed(scene, request->write);
@@ -277,10 +302,11 @@ static void run(const struct request *request) {
     double median = bench_median(times, request->repeats), contacts = (double)touching / bodies;
     uint64_t hash = scree_scene_hash(scene);
     struct stages stages = time_stages(scene, bodies, request->threads, request->steps);
-    printf("%s,%s,%d,%d,%.2f,%.2f,%.2f,%.3f,%.3f,%.2f,%ld,%.1f,%ld,%.0f,%.0f,%016llx\n", scene->contacts.loop->name,
+    printf("%s,%s,%d,%d,%.2f,%.2f,%.2f,%.3f,%.3f,%.2f,%ld,%.1f,%ld,%.0f,%.0f,", scene->contacts.loop->name,
            request->laws, bodies, request->threads, median, times[0], stages.contacts, contacts,
-           (double)listed / bodies, median / contacts, renewals, stages.near, lists, stages.outer, bytes,
-           (unsigned long long)hash);
+           (double)listed / bodies, median / contacts, renewals, stages.near, lists, stages.outer, bytes);
+    print_roofline(scene, request, &stages, (double)listed / bodies);
+    printf("%016llx\n", (unsigned long long)hash);
     scree_scene_destroy(scene);
 }
 

@@ -434,6 +434,7 @@ nothing_left "$work/limited/bodies.csv.part"
 
 # Figures: with gnuplot and without.
 check 'an unknown path of the processor' 2 'baseline, avx2 or avx512, not "avx9"' env SCREE_ISA=avx9 "$scree" laws
+check 'an empty one is none' 0 '' env SCREE_ISA= "$scree" laws
 check 'list of figures' 0 '11b' "$scree" reproduce --list
 check 'a suite' 0 'bounds met' "$scree" reproduce --suite chung-ooi -o "$work/suite"
 check 'cases of a suite' 0 '21 of 21 bounds met' "$scree" reproduce rolling viscoelastic edge corner painleve stack cradle top \

@@ -24,7 +24,7 @@ int cli_check_isa(void) {
     const char *known[] = {"baseline", "avx2", "avx512", NULL}, *wanted = getenv("SCREE_ISA");
     for (int k = 0; wanted && known[k]; k++)
         if (strcmp(wanted, known[k]) == 0) return EXIT_GOOD;
-    return wanted ? cli_complain("SCREE_ISA is baseline, avx2 or avx512, not \"%s\"", wanted) : EXIT_GOOD;
+    return wanted && *wanted ? cli_complain("SCREE_ISA is baseline, avx2 or avx512, not \"%s\"", wanted) : EXIT_GOOD;
 }
 
 int cli_exit_code(scree_status status) {
