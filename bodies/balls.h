@@ -21,12 +21,13 @@ static inline int scree_outgrown(double *path, double way, double margin) {
 }
 
 #ifdef __AVX__
-typedef float scree_floats __attribute__((vector_size(16), aligned(4), may_alias));
+#include <immintrin.h> /* for what has no operator, or one of many instructions */
+static inline scree_row scree_row_of_floats(const float a[4]) { return (scree_row)_mm256_cvtps_pd(_mm_loadu_ps(a)); }
+static inline scree_row scree_row_root(scree_row a) { return (scree_row)_mm256_sqrt_pd((__m256d)a); }
 
 /* The first three numbers of `a`, the fourth of `old`. */
 static inline void scree_row_put(scree_row a, double *old) {
-    const scree_bits three = {-1, -1, -1, 0};
-    *(scree_bits *)old = ((scree_bits)a & three) | (*(const scree_bits *)old & ~three);
+    *(scree_row *)old = __builtin_shufflevector(a, *(const scree_row *)old, 0, 1, 2, 7);
 }
 
 /* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such
@@ -38,13 +39,19 @@ static inline scree_row scree_row_settle(scree_row a) {
     return (scree_row)((scree_bits)a & ~(scree_bits)(size < least));
 }
 
-/* The rows of a state; fourth numbers are as they come, but for the moment's in the last. */
+/* The rows of a state; fourth numbers are as they come. */
 struct scree_ball_rows {
     scree_row x, v, l;
 };
 
+/* A state is six numbers: the row of its momentum is reached from the last of its velocity. */
+static inline scree_row scree_row_behind(const double v[3]) {
+    scree_row row = *(const scree_row *)&v[2];
+    return __builtin_shufflevector(row, row, 1, 2, 3, 3);
+}
+
 static inline struct scree_ball_rows scree_ball_rows(const struct scree_state *state, const double position[3]) {
-    return (struct scree_ball_rows){scree_row_of(position), *(const scree_row *)state->v, *(const scree_row *)state->l};
+    return (struct scree_ball_rows){scree_row_of(position), *(const scree_row *)state->v, scree_row_behind(state->v)};
 }
 
 /* Let its position be known. */
@@ -59,11 +66,10 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t;
     scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
     scree_row v = scree_row_settle(*(const scree_row *)state->v + kick);
-    scree_row l = scree_row_settle(*(const scree_row *)state->l + *t);
+    scree_row l = scree_row_settle(scree_row_behind(state->v) + *t);
     scree_row x = *(const scree_row *)record->x + scree_row_times(0.5 * step, v);
-    l[3] = state->inverse_moment;
-    *(scree_row *)state->v = v; /* in this order: a row begins where the fourth number of the one before lies */
-    *(scree_row *)state->l = l;
+    *(scree_row *)state->v = v; /* in this order: its fourth number isn't that of the momentum */
+    *(scree_row *)&state->v[2] = __builtin_shufflevector(v, l, 2, 4, 5, 6);
     return (struct scree_ball_rows){x, v, l};
 }
 
@@ -72,12 +78,12 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
 static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows state, double step,
                                            scree_row gravity, const float *flight) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};
-    scree_row off = state.v - __builtin_convertvector(*(const scree_floats *)flight, scree_row), square = off * off;
+    scree_row off = state.v - scree_row_of_floats(flight), square = off * off;
     scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
     scree_row ahead = state.l + scree_row_times(0.5, *t);
     scree_row_put(state.x + scree_row_times(0.5 * step, state.v), record->x);
     scree_row_put(state.v + scree_row_times(0.5, kick), record->v);
-    scree_row_put(scree_row_times(state.l[3], ahead), record->w);
+    scree_row_put(scree_row_times(record->inverse_moment, ahead), record->w);
     scree_row_put(none, record->f);
     scree_row_put(none, record->t);
     return square[0] + square[1] + square[2];
@@ -119,7 +125,7 @@ static inline double scree_ball_look_ahead(struct scree_record *record, struct s
         double kick = record->inverse_mass * record->f[k] + step * gravity[k];
         record->x[k] = rows.x[k] + 0.5 * step * v[k];
         record->v[k] = v[k] + 0.5 * kick;
-        record->w[k] = state->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
+        record->w[k] = record->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
         record->f[k] = record->t[k] = 0.0;
     }
     double x = v[0] - (double)flight[0], y = v[1] - (double)flight[1], z = v[2] - (double)flight[2];

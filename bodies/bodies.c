@@ -140,7 +140,7 @@ scree_status scree_bodies_set(struct scree_bodies *bodies, int index, const scre
     }
     const struct scree_inertia *inertia = &kind.inertia;
     record->inverse_mass = fmax(inertia->inverse_mass[0], fmax(inertia->inverse_mass[1], inertia->inverse_mass[2]));
-    state->inverse_moment = inertia->inverse_moments[0];
+    record->inverse_moment = inertia->inverse_moments[0];
     record->radius = def->shape.kind == SCREE_SPHERE ? def->shape.radius : 0.0;
     if (def->shape.kind == SCREE_BOX) record->radius = def->shape.rounding;
     record->limit = fmin(0.5 * scree_shape_half_width(&def->shape), unlimited);

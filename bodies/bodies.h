@@ -23,17 +23,16 @@
 /* What the contact loop reads (x, v, w: half a step ahead) and adds to (f, t). The fourth lane of each row is free
  * in a record of doubles fit for four-wide loads, and carries what contacts need besides. */
 struct scree_record {
-    double x[3], radius;       /* centre, m; radius of the ball at the centre or at each corner, m */
-    double v[3], inverse_mass; /* m/s; 1/kg, 0 if forces can't move the centre */
-    double w[3], limit;        /* spin, rad/s; largest tolerable overlap, m */
-    double f[3], unused;       /* impulse of the step, N s */
-    double t[3], bound;        /* angular impulse of the step, N m s; radius about the centre, m */
+    double x[3], radius;         /* centre, m; radius of the ball at the centre or at each corner, m */
+    double v[3], inverse_mass;   /* m/s; 1/kg, 0 if forces can't move the centre */
+    double w[3], limit;          /* spin, rad/s; largest tolerable overlap, m */
+    double f[3], inverse_moment; /* impulse of the step, N s; of a ball 1/(kg m^2) */
+    double t[3], bound;          /* angular impulse of the step, N m s; radius about the centre, m */
 };
 
-/* Rows of four take the number behind with them: what writes one writes the next one after it. */
 struct scree_state {
-    double v[3];                 /* m/s */
-    double l[3], inverse_moment; /* angular momentum about the centre, world axes, kg m^2/s; 1/(kg m^2), of a ball */
+    double v[3]; /* m/s */
+    double l[3]; /* angular momentum about the centre, world axes, kg m^2/s */
 };
 
 struct scree_inertia {

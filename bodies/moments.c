@@ -145,11 +145,11 @@ static void look_at_ball(const struct scree_bodies *bodies, int index, double st
     const struct scree_state *state = &bodies->state[index];
     const struct scree_past *past = &bodies->past[index];
     struct scree_push *push = &bodies->push[index];
-    double along = record->inverse_mass / step, turn = state->inverse_moment / step;
+    double along = record->inverse_mass / step, turn = record->inverse_moment / step;
     for (int k = 0; k < 3; k++) {
         now->x[k] = bodies->position[index][k];
         now->v[k] = state->v[k];
-        now->w[k] = state->inverse_moment * state->l[k];
+        now->w[k] = record->inverse_moment * state->l[k];
         push->along[k] = gravity[k] + along * past->f[0][k];
         push->more[k] = along * (past->f[0][k] - past->f[1][k]);
         push->turn[k] = turn * past->t[0][k];
@@ -162,7 +162,7 @@ static void look_at_ball(const struct scree_bodies *bodies, int index, double st
     now->bound = record->bound;
     double kicks = 2.0 * vec_norm(vec_from(past->f[0])) + vec_norm(vec_from(past->f[1]));
     push->along[3] = 2.0 * step * (vec_norm(vec_from(state->v)) + record->inverse_mass * kicks + step * fall);
-    push->turn[3] = state->inverse_moment;
+    push->turn[3] = record->inverse_moment;
     bodies->past[index].range = push->along[3];
     memcpy(bodies->past[index].known, gravity, sizeof past->known);
 }

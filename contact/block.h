@@ -33,11 +33,6 @@ static SCREE_INLINE void store_columns(scree_row r[4], int count, double (*colum
 }
 #endif
 
-#ifdef __AVX__
-#include <immintrin.h> /* for roots of rows, which have no operator */
-static SCREE_INLINE scree_row row_root(scree_row a) { return (scree_row)_mm256_sqrt_pd((__m256d)a); }
-#endif
-
 #ifdef __AVX512F__
 /* Two rows of a record in one. */
 typedef double wide_row __attribute__((vector_size(64), aligned(8), may_alias));
@@ -244,7 +239,7 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
     store_columns(ball_spin, even ? 3 : 4, b->ball_spin, lane);
     if (!even) store_columns(host_spin, 4, b->host_spin, lane);
     if (!balls) return;
-    scree_row apart = row_root(shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
+    scree_row apart = scree_row_root(shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
     *(scree_row *)&b->apart[lane] = apart;
     *(scree_row *)&b->inverse[lane] = one / (apart + SCREE_NO_WAY);
 }

@@ -16,7 +16,8 @@ BEGIN {
     may["bench"] = may["bench/peers"] = may["tests"] = may["engine/cli"] " bench bench/peers tests"
     libc = " assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdalign stdarg stdatomic" \
         " stdbool stddef stdint stdio stdlib stdnoreturn string strings threads time unistd fcntl dirent getopt omp" \
-        " pthread sys/stat sys/types sys/wait sys/mman sys/resource sys/time sys/file sched immintrin "
+        " pthread sys/stat sys/types sys/wait sys/mman sys/resource sys/time sys/file sched immintrin" \
+        " sys/ioctl sys/syscall linux/perf_event " # the kernel header comes with that of libc
 }
 function among(word, words) { return index(" " words " ", " " word " ") > 0 }
 function folder_of(path) { return sub(/\/[^\/]*$/, "", path) ? path : "." }
