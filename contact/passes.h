@@ -79,7 +79,7 @@ static SCREE_INLINE struct scree_sliding sliding_at(const struct block *b, int k
     at.velocity = vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
     if (!memory) return at;
     at.stretch = get_kept(kept, k);
-    at.sliding = kept[SCREE_KEPT_STATE][k];
+    at.sliding = b->state[k];
     return at;
 }
 
@@ -91,7 +91,7 @@ static inline void put_friction(struct block *b, int k, double *const *kept, int
     put(b->friction, k, f.force);
     if (!memory) return;
     put_kept(kept, k, vec_scale(b->touching[k], f.stretch));
-    kept[SCREE_KEPT_STATE][k] = b->touching[k] * f.sliding;
+    b->state[k] = b->touching[k] * f.sliding;
 }
 
 static inline void put_slider(struct block *b, int k, struct scree_slider slider) {
@@ -283,7 +283,7 @@ static void press(struct work *w, int first, int count, int events, struct block
     const struct scree_rule *rule = w->rule;
     const struct scree_batch *batch = w->batch;
     double step = w->wants.step;
-    if (batch->slides) unpack(batch->slides + first, count, w->kept[SCREE_KEPT_STATE] = b->state);
+    if (batch->slides) unpack(batch->slides + first, count, b->state);
     if (events & CHANGES) share_out(count, step, b);
     if (w->balls && w->rubs)
         slide_balls(b, count, w->kept, w->wants);
