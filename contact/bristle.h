@@ -14,7 +14,7 @@
 
 #include "contact/law.h"
 
-/* Added to forces before they divide: changes none above 1e-190 N. */
+/* Added to what divides: changes nothing above 1e-184. */
 #define SCREE_NO_FORCE 1e-200
 
 /* Deflection in the middle and at the end of a step, and its rate in the middle. */
@@ -25,7 +25,8 @@ struct scree_bristle {
 /* (1 - exp(-x))/x for x >= 0; `fallen` is exp(-x). The series' first dropped term is below 2e-16. */
 static inline double scree_eased(double x, double fallen) {
     double series = 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0))));
-    return x < 0.01 ? series : (1.0 - fallen) / x;
+    double quotient = (1.0 - fallen) / (x + SCREE_NO_FORCE); /* in any case: a choice of divisions is no vector */
+    return x < 0.01 ? series : quotient;
 }
 
 /* From deflection z over the step, at stiffness s_0 and saturation g (N; without any, nothing bends). */
@@ -50,8 +51,8 @@ static inline struct vec scree_bristle_rate(struct scree_sliding at, struct vec 
 
 /* What a bristle can carry at most: a deflection cut to `most`. The load may have fallen while nothing slid. */
 static inline struct vec scree_bristle_cut(struct vec z, double most) {
-    double size = vec_norm(z);
-    return vec_scale(size > most ? most / size : 1.0, z);
+    double size = vec_norm(z), share = most / (size + SCREE_NO_FORCE);
+    return vec_scale(size > most ? share : 1.0, z);
 }
 
 /* s_1, cut so that the dashpot never drives the sliding. It changes nothing near rest. */

@@ -93,8 +93,7 @@ static const struct scree_normal_law scree_normal_jkr = {
              .source = "Johnson, Kendall & Roberts, Proc. R. Soc. A 324 (1971) 301",
              .note = "Adhesion of soft bodies: pulls with up to 1.5 pi w R*, and from the first touch on until "
                      "they are 3 a_c^2/R* apart, a_c^3 = pi w R*^2/(8 E*). Each contact costs 4.2098 pi w a_c^2: "
-                     "restitution sqrt(1 - 2 loss/(m v^2)); slower bodies stay together. Its loop stays scalar: the "
-                     "contact radius is found by iteration.",
+                     "restitution sqrt(1 - 2 loss/(m v^2)); slower bodies stay together.",
              .parameters = jkr_parameters,
              .example = "modulus = 3e7, adhesion = 20.0"},
     .cut = 0,

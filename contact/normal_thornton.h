@@ -45,8 +45,9 @@ static inline struct thornton_peak thornton_peak_of(const struct scree_law_const
                                                     struct scree_pair_constants pair, double largest) {
     double yield = pair.c[THORNTON_YIELD_OVERLAP], deep = largest > 0.0 ? largest : 0.0;
     int plastic = deep > yield;
-    double force = plastic ? pair.c[THORNTON_YIELD_FORCE] + pair.c[THORNTON_SLOPE] * (deep - yield)
-                           : pair.c[THORNTON_STIFFNESS] * deep * sqrt(deep);
+    double elastic = pair.c[THORNTON_STIFFNESS] * deep * sqrt(deep); /* in any case: a choice of roots is no vector */
+    double yielded = pair.c[THORNTON_YIELD_FORCE] + pair.c[THORNTON_SLOPE] * (deep - yield);
+    double force = plastic ? yielded : elastic;
     double pressure = 2.0 * 3.14159265358979323846 * law->c[THORNTON_YIELD];
     double span =
         0.75 * force / law->c[THORNTON_MODULUS] * sqrt(pressure / (2.0 * force + pair.c[THORNTON_YIELD_FORCE]));
