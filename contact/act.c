@@ -169,8 +169,8 @@ static void act_shared(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
     atomic_char done[SCREE_SLABS] = {0};
 #pragma omp parallel for schedule(monotonic : dynamic) num_threads(threads)
-    for (int turn = 0; turn < 2 * (stretches + threads); turn++) {
-        int own = turn / 2, before = own - threads;
+    for (int turn = 0; turn < 2 * (stretches + threads + 1); turn++) {
+        int own = turn / 2, before = own - threads - 1;
         if (turn % 2 == 0 && own < stretches) {
             act_stretch(all, own * SCREE_STRETCH, 0);
             atomic_store(&done[own], 1);
