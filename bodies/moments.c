@@ -47,34 +47,40 @@ static void turn_by_moments(struct scree_bodies *bodies, int index, double step)
 
 enum { FEW = 1000 }; /* bodies for which a team of threads doesn't pay */
 
+static void advance_one(struct scree_bodies *bodies, int index, double step, const double gravity[3]) {
+    const struct scree_record *record = &bodies->record[index];
+    const double *moment = bodies->push[index].moment;
+    struct scree_past *past = &bodies->past[index];
+    struct scree_state *state = &bodies->state[index];
+    const struct scree_kind *kind = scree_kind_of(bodies, index);
+    double *x = bodies->position[index];
+    if (bodies->class[index] == SCREE_CLASS_FIXED) return;
+    if (bodies->class[index] == SCREE_CLASS_BALL) {
+        advance_ball(record, moment, state, x, step, gravity);
+        settle_past(past, record);
+        return;
+    }
+    for (int k = 0; k < 3; k++) {
+        if (kind->joint.along[k] == SCREE_DRIVEN) {
+            x[k] = kind->origin[k] + bodies->moved[kind->joint.along_motion[k]].position;
+            state->v[k] = bodies->moved[kind->joint.along_motion[k]].velocity;
+        } else if (kind->joint.along[k] == SCREE_FREE) {
+            advance_along(k, record, moment, state, x, &kind->inertia, step, gravity);
+        }
+    }
+    turn_by_moments(bodies, index, step);
+    settle_past(past, record);
+}
+
+/* One thread has a loop of its own: a parallel region takes longer than a few bodies, even with a team of one. */
 void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                                      int threads) {
-    (void)threads; /* without OpenMP */
     drive_to(bodies, time + step);
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && bodies->count > FEW)
-    for (int index = 0; index < bodies->count; index++) {
-        const struct scree_record *record = &bodies->record[index];
-        struct scree_past *past = &bodies->past[index];
-        struct scree_state *state = &bodies->state[index];
-        const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
-        if (bodies->class[index] == SCREE_CLASS_FIXED) continue;
-        if (bodies->class[index] == SCREE_CLASS_BALL) {
-            advance_ball(record, bodies->push[index].moment, state, bodies->position[index], step, gravity);
-            settle_past(past, record);
-            continue;
-        }
-        for (int k = 0; k < 3; k++) {
-            if (joint->along[k] == SCREE_DRIVEN) {
-                bodies->position[index][k] =
-                    scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
-                state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
-            } else if (joint->along[k] == SCREE_FREE) {
-                advance_along(k, record, bodies->push[index].moment, state, bodies->position[index],
-                              &scree_kind_of(bodies, index)->inertia, step, gravity);
-            }
-        }
-        turn_by_moments(bodies, index, step);
-        settle_past(past, record);
+    if (threads > 1 && bodies->count > FEW) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int k = 0; k < bodies->count; k++) advance_one(bodies, k, step, gravity);
+    } else {
+        for (int k = 0; k < bodies->count; k++) advance_one(bodies, k, step, gravity);
     }
 }
 
@@ -190,21 +196,25 @@ static int look_at_others(struct scree_bodies *bodies, double time, double step,
     return too_far;
 }
 
+static int look_both_ways(struct scree_bodies *bodies, int k, double step, const double gravity[3], double fall,
+                          double margin, struct scree_bodies *now) {
+    if (bodies->class[k] != SCREE_CLASS_BALL) return 0;
+    look_at_ball(bodies, k, step, gravity, fall, &now->record[k]);
+    double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]),
+                                          step, scree_row_of(gravity), scree_flight_row(bodies, k));
+    return scree_outgrown(&bodies->path[k], step * sqrt(square), margin);
+}
+
 int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                            double margin, struct scree_bodies *now, int threads) {
     double fall = vec_norm(vec_from(gravity));
     int too_far = 0;
-    (void)threads; /* without OpenMP */
     now->push = bodies->push;
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && bodies->count > FEW)
-    for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] != SCREE_CLASS_BALL) continue;
-        look_at_ball(bodies, k, step, gravity, fall, &now->record[k]);
-        double square =
-            scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
-                                  scree_row_of(gravity), scree_flight_row(bodies, k));
-        if (scree_outgrown(&bodies->path[k], step * sqrt(square), margin))
-            __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
+    if (threads > 1 && bodies->count > FEW) {
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(| : too_far)
+        for (int k = 0; k < bodies->count; k++) too_far |= look_both_ways(bodies, k, step, gravity, fall, margin, now);
+    } else {
+        for (int k = 0; k < bodies->count; k++) too_far |= look_both_ways(bodies, k, step, gravity, fall, margin, now);
     }
     return too_far | look_at_others(bodies, time, step, gravity, margin, now);
 }
