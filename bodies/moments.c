@@ -211,8 +211,10 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     int too_far = 0;
     now->push = bodies->push;
     if (threads > 1 && bodies->count > FEW) {
-#pragma omp parallel for schedule(static) num_threads(threads) reduction(| : too_far)
-        for (int k = 0; k < bodies->count; k++) too_far |= look_both_ways(bodies, k, step, gravity, fall, margin, now);
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int k = 0; k < bodies->count; k++)
+            if (look_both_ways(bodies, k, step, gravity, fall, margin, now))
+                __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
     } else {
         for (int k = 0; k < bodies->count; k++) too_far |= look_both_ways(bodies, k, step, gravity, fall, margin, now);
     }
