@@ -6,7 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifdef __linux__
+/* The header that says how to count instructions comes with the kernel: without it none are. */
+#if defined __linux__ && __has_include(<linux/perf_event.h>)
+#define COUNTS_INSTRUCTIONS
 #include <linux/perf_event.h>
 #include <sys/ioctl.h>
 #include <sys/syscall.h>
@@ -34,14 +36,15 @@ struct bench_work bench_contact_work(const scree_scene *scene, const char *laws,
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_contacts *all = &scene->contacts;
     struct bench_work work = {0};
-    if (!(contacts > 0.0)) return work; /* nothing is near anything */
-    const struct scree_batch *batch = &all->batch[all->busy[0]];
+    if (!(contacts > 0.0)) return work;                          /* nothing is near anything */
+    const struct scree_batch *batch = &all->batch[all->busy[0]]; /* all keep the same: there is one pair of laws */
     for (size_t k = 0; k < sizeof counted / sizeof *counted && bodies->even > 0.0; k++)
         if (strcmp(laws, counted[k].laws) == 0) work = counted[k].work;
     size_t read = sizeof *batch->ends, both = batch->slides ? 1 : 0;
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->kept[m]) both += sizeof(double);
-    work.bytes = (double)(read + 2 * both) + 2.0 * sizeof *bodies->record / contacts;
+    double records = fmin(1.0 / contacts, 2.0); /* its share of those that are gone through */
+    work.bytes = (double)(read + 2 * both) + 2.0 * records * sizeof *bodies->record;
     return work;
 }
 
@@ -88,7 +91,7 @@ struct bench_limit bench_limit_of(struct bench_work work, const char *loop, doub
 
 /* ---- instructions ---- */
 
-#ifdef __linux__
+#ifdef COUNTS_INSTRUCTIONS
 static int counter = -1;
 
 void bench_count_on(void) {

@@ -163,8 +163,8 @@ static void act_stretch(const struct slabs *all, int first, int behind) {
     for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
 }
 
-/* By several threads: they take stretches one after the other, and between these, some stretches later, the slabs that
- * waited. So nobody has to wait long, and what is taken last is small. */
+/* By several threads: they take stretches one after the other, and between these, later by one stretch more than there
+ * are threads, the slabs that waited. So nobody waits for a slow neighbour, and what is taken last is small. */
 static void act_shared(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
     atomic_char done[SCREE_SLABS] = {0};
