@@ -333,16 +333,19 @@ struct scree_contacts {
     struct scree_space boxes;
     int box_pairs;
     struct scree_flights flights;
-    int broken;    /* for lack of memory lists are incomplete: all must be made before contacts are looked at */
-    long rebuilds; /* of the outer list */
-    long renewals; /* of near lists */
+    double lasting; /* steps that margins are to last, where bodies are many */
+    int broken;     /* for lack of memory lists are incomplete: all must be made before contacts are looked at */
+    long rebuilds;  /* of the outer list */
+    long renewals;  /* of near lists */
+    long answers;   /* margins of single bodies since the beginning; */
+    long enough;    /* when they are so many, the near lists are to be renewed */
     struct scree_tally tally[SCREE_SEGMENTS];
     struct scree_scratch *scratch; /* one for each thread (near.c) */
     int scratches;
     int returns, return_capacity; /* bodies that are returning into the periodic box, by rising place */
     struct scree_return *returned;
     int moving_capacity;
-    struct scree_moving *moving; /* scratch for contacts that change their batch on it (near.c) */
+    struct scree_moving *moving; /* scratch for contacts that change their batch on it (reorder.c) */
 
     struct scree_rest rest;
     int substeps;           /* of the pair-impulse method */
@@ -377,10 +380,20 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 
-/* After bodies have outgrown their margins (path > skin/2): pick near contacts anew from the outer list, or make
+/* After bodies have outgrown their margins (path > skin/2): pick all near contacts anew from the outer list, or make
  * both lists anew if a body has used up what the outer one left it, or if they are broken. */
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble);
+
+/* The bodies that have outgrown their margins, by their places, if all can be answered alone (widen.c): how many they
+ * are. 0: the lists are to be renewed. */
+enum { SCREE_ASKING = 32 };
+int scree_contacts_asking(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                          int asking[SCREE_ASKING]);
+
+/* Give these new margins, and put what comes near by them into the near lists. Otherwise as scree_contacts_renew. */
+scree_status scree_contacts_answer(struct scree_contacts *contacts, struct scree_bodies *bodies, const int *asking,
+                                   int count, int threads, scree_trouble *trouble);
 
 /* Put the bodies in the order of space, and the lists with them; the second only if they have got out of it. */
 scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
@@ -590,12 +603,29 @@ double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 
+/* Whether a contact of the outer list may touch before one of its bodies has used up its margin. */
+int scree_contact_is_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                          const struct scree_batch *batch, const struct scree_contact *contact);
+
+/* Give a body a new margin, in the place of what is left of the last one, or what it went beyond. 0: the outer list has
+ * left it too little. */
+int scree_grant_anew(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k);
+
+/* Where segment s is the last of a stretch: mark the later body of its contact as lent to it, if that one is of the
+ * next stretch. */
+void scree_lend(struct scree_contacts *contacts, const struct scree_bodies *bodies, int s,
+                const struct scree_contact *contact);
+
 /* Free the scratch of near.c. */
 void scree_contacts_free_scratch(struct scree_contacts *contacts);
 
 /* Constants of the laws for each pair of bodies, where they aren't all the same. */
 scree_status scree_pair_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                   struct scree_batch *batch, scree_trouble *trouble);
+
+/* Those of a contact that has been put into segment s, at `place`. */
+void scree_insert_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                            struct scree_batch *batch, int s, int place);
 
 /* More room in an array of `before` things of `size` bytes; 0 if there is no memory, and then it stays as it was. What
  * is new is zero. `array` is the address of a pointer. */

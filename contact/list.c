@@ -370,12 +370,12 @@ static float at_most(double way) {
     return (double)near > way ? nextafterf(near, -HUGE_VALF) : near;
 }
 
-/* Give a body a margin out of what the outer list has left it: where bodies are many, so wide that it lasts for
- * `steps`. 0 if too little is left. */
-static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double steps) {
+/* Give a body a margin out of what the outer list has left it: where bodies are many, so wide that it lasts for as many
+ * steps as it is to. 0 if too little is left. */
+static int grant(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
     double half = 0.5 * contacts->skin, spare = (double)contacts->spare[k];
     double least = half / 80.0, most = larger(half, spare) / 2.0, way = way_of(contacts, bodies, k);
-    double margin = lesser(larger(steps * way, least), most);
+    double margin = lesser(larger(contacts->lasting * way, least), most);
     if (!are_many(contacts, bodies)) margin = contacts->widest[k] > 16.0 * way ? contacts->widest[k] : half;
     margin = lesser(larger(margin, 4.0 * way), spare);
     if (!(margin >= least && margin >= 2.0 * way)) return 0;
@@ -384,27 +384,32 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
     return 1;
 }
 
-/* Where bodies fly, near lists look ahead over as many steps as margins are to last. */
-static void look_forward(struct scree_contacts *contacts, const struct scree_bodies *bodies, double steps) {
+/* Before all bodies get new margins: how long these are to last. Where bodies fly, near lists look ahead over as many
+ * steps. A list costs as much as some hundred answers to single bodies (widen.c), each of which looks through two
+ * slabs; by the time so many have asked, the others' margins have served. */
+enum { ANSWERS_PER_SLAB = 6 };
+static void begin_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     struct scree_flights *flights = &contacts->flights;
+    contacts->enough = contacts->answers + ANSWERS_PER_SLAB * bodies->order.slabs;
+    contacts->lasting = 0.0;
+    if (are_many(contacts, bodies))
+        contacts->lasting = steps_ahead(contacts, bodies);
+    else
+        limit_margins(contacts, bodies);
     if (!bodies->flight) return;
-    flights->until = fmin(flights->flown + steps * contacts->step, flights->last);
+    flights->until = fmin(flights->flown + contacts->lasting * contacts->step, flights->last);
     flights->ahead = flights->until - flights->flown;
 }
 
 /* Margins after an outer list. */
 static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
-    double half = 0.5 * contacts->skin, steps = 0.0;
-    if (are_many(contacts, bodies))
-        steps = steps_ahead(contacts, bodies);
-    else
-        limit_margins(contacts, bodies);
-    look_forward(contacts, bodies, steps);
+    double half = 0.5 * contacts->skin;
+    begin_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
         int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
         contacts->spare[k] = at_most(half - bodies->path[k]);
         if (fixed) bodies->path[k] = half;
-        if (fixed || grant(contacts, bodies, k, steps)) continue;
+        if (fixed || grant(contacts, bodies, k)) continue;
         contacts->spare[k] = 0.0F; /* so fast that it takes all at once */
     }
 }
@@ -480,6 +485,20 @@ scree_status scree_pair_constants(const struct scree_contacts *contacts, const s
     return status;
 }
 
+void scree_insert_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                            struct scree_batch *batch, int s, int place) {
+    const struct scree_part *segment = &batch->segment[s];
+    struct scree_contact contact = scree_contact_at(batch, place);
+    struct columns pair = constants_of(contacts, bodies, batch, &contact);
+    int end = segment->first + segment->count, filled = segment->first + scree_padded(segment->count);
+    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) {
+        double *column = batch->pair[c];
+        memmove(column + place + 1, column + place, (size_t)(end - 1 - place) * sizeof *column);
+        column[place] = pair.c[c];
+        for (int k = end; k < filled; k++) column[k] = column[end - 1];
+    }
+}
+
 /* One block of constants for all contacts, if they have the same. */
 static scree_status set_common_constants(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                          struct scree_batch *batch, scree_trouble *trouble) {
@@ -544,21 +563,18 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
     contacts->most_margin = fmin(0.5 * contacts->skin + mean, most);
 }
 
+int scree_grant_anew(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
+    contacts->spare[k] = at_most((double)contacts->spare[k] + (0.5 * contacts->skin - bodies->path[k]));
+    return grant(contacts, bodies, k);
+}
+
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble) {
-    double half = 0.5 * contacts->skin, last = 0.0;
     int over = contacts->flights.flown + 2.0 * contacts->step > contacts->flights.last; /* after the step to come */
     if (contacts->broken || over) return scree_contacts_list(contacts, bodies, threads, trouble);
-    if (are_many(contacts, bodies))
-        last = steps_ahead(contacts, bodies);
-    else
-        limit_margins(contacts, bodies);
-    look_forward(contacts, bodies, last);
+    begin_margins(contacts, bodies);
     for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
-        /* What is left of its margin, or what it went beyond. */
-        contacts->spare[k] = at_most((double)contacts->spare[k] + (half - bodies->path[k]));
-        if (grant(contacts, bodies, k, last)) continue;
+        if (bodies->class[k] == SCREE_CLASS_FIXED || scree_grant_anew(contacts, bodies, k)) continue;
         return scree_contacts_list(contacts, bodies, threads, trouble);
     }
     contacts->renewals++;

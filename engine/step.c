@@ -29,34 +29,43 @@ int scree_is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1])
 
 static int threads_of(const scree_scene *scene) { return scene->time.threads > 0 ? scene->time.threads : 1; }
 
-/* A list that has outlived its margin is made anew; before, the bodies that moved are looked at: where a number isn't
- * finite, or a body crosses in one step, at its speed of `now`, what the list keeps watch over, no list can help. */
-static scree_status renew_list(scree_scene *scene, const struct scree_bodies *now) {
+/* A body that moved, before lists help it: where a number isn't finite, or it crosses in one step, at its speed of
+ * `now`, what the list keeps watch over, no list can. */
+static scree_status look_at(scree_scene *scene, const struct scree_bodies *now, int k) {
     const struct scree_bodies *bodies = &scene->bodies;
-    for (int k = 0; k < bodies->count; k++) {
-        const struct scree_record *record = &bodies->record[k];
-        if (!scree_is_finite(record->x) || !scree_is_finite(record->v) || !scree_is_finite(record->w))
-            return stop(scene, bodies->number[k], -1,
-                        "its position or velocity is no longer a finite number; the step is too large or a "
-                        "contact too stiff");
-        int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
-        struct vec velocity = vec_from(now->record[k].v), spin = vec_from(now->record[k].w);
-        double speed = vec_norm(velocity) + (plane ? 0.0 : vec_norm(spin) * record->bound);
-        double hasty = speed * scene->step / scene->contacts.chosen_skin;
-        if (hasty > scene->hasty) {
-            scene->hasty = hasty;
-            scene->hastiest = bodies->number[k];
-        }
-        if (hasty > 1.0) {
-            char cause[200];
-            snprintf(
-                cause, sizeof cause,
-                "it moves, or its tips do, %.3g m in one step, more than the list of contacts looks ahead (%.3g m): "
-                "it could pass through others unnoticed; take a smaller step",
-                speed * scene->step, scene->contacts.chosen_skin);
-            return stop(scene, bodies->number[k], -1, cause);
-        }
+    const struct scree_record *record = &bodies->record[k];
+    if (!scree_is_finite(record->x) || !scree_is_finite(record->v) || !scree_is_finite(record->w))
+        return stop(scene, bodies->number[k], -1,
+                    "its position or velocity is no longer a finite number; the step is too large or a "
+                    "contact too stiff");
+    int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
+    struct vec velocity = vec_from(now->record[k].v), spin = vec_from(now->record[k].w);
+    double speed = vec_norm(velocity) + (plane ? 0.0 : vec_norm(spin) * record->bound);
+    double hasty = speed * scene->step / scene->contacts.chosen_skin;
+    if (hasty > scene->hasty) {
+        scene->hasty = hasty;
+        scene->hastiest = bodies->number[k];
     }
+    if (!(hasty > 1.0)) return SCREE_OK;
+    char cause[200];
+    snprintf(cause, sizeof cause,
+             "it moves, or its tips do, %.3g m in one step, more than the list of contacts looks ahead (%.3g m): "
+             "it could pass through others unnoticed; take a smaller step",
+             speed * scene->step, scene->contacts.chosen_skin);
+    return stop(scene, bodies->number[k], -1, cause);
+}
+
+/* For bodies that have outgrown their margins: for a few of them alone, or for all bodies. */
+static scree_status renew_list(scree_scene *scene, const struct scree_bodies *now) {
+    int asking[SCREE_ASKING], count = scree_contacts_asking(&scene->contacts, &scene->bodies, asking);
+    int looks = count ? count : scene->bodies.count;
+    for (int k = 0; k < looks; k++) {
+        scree_status status = look_at(scene, now, count ? asking[k] : k);
+        if (status) return status;
+    }
+    if (count)
+        return scree_contacts_answer(&scene->contacts, &scene->bodies, asking, count, threads_of(scene),
+                                     &scene->trouble);
     return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
