@@ -54,7 +54,7 @@ static void look_ahead_turn(struct scree_bodies *bodies, int index, double step)
     struct mat frame = quat_to_mat(q);
     face(bodies, index, rotate(attitude, inertia, joint, q, &frame, l, 0.5 * step, 0, turn.position));
     struct vec predicted = vec_axpy(l, 0.5, vec_from(record->t));
-    vec_store(spin_at(attitude, inertia, joint, &attitude->frame, predicted, turn.velocity), record->w);
+    vec_store(spin_at(attitude, inertia, joint, &attitude->frame, predicted, turn.velocity), bodies->spin[index].w);
 }
 
 static int look_ahead_general(struct scree_bodies *bodies, int index, double step, const double gravity[3],
@@ -77,7 +77,8 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
     clear_loads(record);
     /* A plane turns about its normal only, so its turning moves no surface. */
     double reach = scree_kind_of(bodies, index)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
-    double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(vec_from(record->w)) * reach;
+    double way =
+        vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(vec_from(bodies->spin[index].w)) * reach;
     return scree_outgrown(&bodies->path[index], way, margin);
 }
 
@@ -88,9 +89,9 @@ int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double 
     /* Nobody looks at the loads of fixed bodies; they pile up unseen. */
     for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) {
-            double square =
-                scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
-                                      scree_row_of(gravity), scree_flight_row(bodies, k));
+            double square = scree_ball_look_ahead(&bodies->record[k], &bodies->spin[k],
+                                                  scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
+                                                  scree_row_of(gravity), scree_flight_row(bodies, k));
             too_far |= scree_outgrown(&bodies->path[k], step * sqrt(square), margin);
         } else if (bodies->class[k] == SCREE_CLASS_GENERAL) {
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);
@@ -173,13 +174,16 @@ static void look_now(const struct scree_bodies *bodies, int index, double time, 
     struct scree_record *record = &shadow->record[index];
     memcpy(record->x, bodies->position[index], sizeof record->x);
     memcpy(record->v, bodies->state[index].v, sizeof record->v);
-    vec_store(scree_bodies_spin(bodies, index, time), record->w);
+    vec_store(scree_bodies_spin(bodies, index, time), shadow->spin[index].w);
     clear_loads(record);
     if (scree_kind_of(shadow, index)->slot >= 0) face(shadow, index, quat_from(scree_attitude_of(shadow, index)->q));
 }
 
 void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow) {
-    for (int k = 0; shadow != bodies && k < bodies->count; k++) shadow->record[k] = bodies->record[k];
+    for (int k = 0; shadow != bodies && k < bodies->count; k++) {
+        shadow->record[k] = bodies->record[k];
+        shadow->spin[k] = bodies->spin[k];
+    }
     for (int k = 0; shadow != bodies && k < bodies->attitudes; k++) shadow->attitude[k] = bodies->attitude[k];
     for (int k = 0; k < bodies->count; k++) look_now(bodies, k, time, shadow);
 }
@@ -187,6 +191,7 @@ void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struc
 void scree_body_look_now(const struct scree_bodies *bodies, int index, double time, struct scree_bodies *shadow) {
     int slot = scree_kind_of(bodies, index)->slot;
     shadow->record[index] = bodies->record[index];
+    shadow->spin[index] = bodies->spin[index];
     if (slot >= 0) shadow->attitude[slot] = bodies->attitude[slot];
     look_now(bodies, index, time, shadow);
 }

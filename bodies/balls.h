@@ -75,15 +75,16 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
 
 /* Drift to the middle of the next step, predict velocity and spin there, clear the impulses. Returns the square of the
  * speed off its flight, with which the path has yet to grow: roots are taken for many balls at once. */
-static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows state, double step,
-                                           scree_row gravity, const float *flight) {
+static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_spin *spin,
+                                           struct scree_ball_rows state, double step, scree_row gravity,
+                                           const float *flight) {
     const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};
     scree_row off = state.v - scree_row_of_floats(flight), square = off * off;
     scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
     scree_row ahead = state.l + scree_row_times(0.5, *t);
     scree_row_put(state.x + scree_row_times(0.5 * step, state.v), record->x);
     scree_row_put(state.v + scree_row_times(0.5, kick), record->v);
-    scree_row_put(scree_row_times(record->inverse_moment, ahead), record->w);
+    scree_row_put(scree_row_times(record->inverse_moment, ahead), spin->w);
     scree_row_put(none, record->f);
     scree_row_put(none, record->t);
     return square[0] + square[1] + square[2];
@@ -117,15 +118,16 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
     return rows;
 }
 
-static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_ball_rows rows, double step,
-                                           scree_row gravity, const float *flight) {
+static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_spin *spin,
+                                           struct scree_ball_rows rows, double step, scree_row gravity,
+                                           const float *flight) {
     const struct scree_state *state = rows.state;
     const double *v = state->v;
     for (int k = 0; k < 3; k++) {
         double kick = record->inverse_mass * record->f[k] + step * gravity[k];
         record->x[k] = rows.x[k] + 0.5 * step * v[k];
         record->v[k] = v[k] + 0.5 * kick;
-        record->w[k] = record->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
+        spin->w[k] = record->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
         record->f[k] = record->t[k] = 0.0;
     }
     double x = v[0] - (double)flight[0], y = v[1] - (double)flight[1], z = v[2] - (double)flight[2];

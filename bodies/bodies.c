@@ -19,6 +19,7 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
     *bodies = (struct scree_bodies){.count = count, .motion = motion, .motions = motions};
     bodies->moved = zeroed((size_t)motions, sizeof *bodies->moved);
     bodies->record = zeroed(n, sizeof *bodies->record);
+    bodies->spin = zeroed(n, sizeof *bodies->spin);
     bodies->state = zeroed(n, sizeof *bodies->state);
     bodies->position = zeroed(n, sizeof *bodies->position);
     bodies->path = zeroed(n, sizeof *bodies->path);
@@ -27,8 +28,8 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
     bodies->number = zeroed(n, sizeof *bodies->number);
     bodies->place = zeroed(n, sizeof *bodies->place);
     bodies->slab = zeroed(n, sizeof *bodies->slab);
-    if (bodies->record && bodies->state && bodies->path && bodies->position && bodies->class && bodies->kind_of &&
-        bodies->number && bodies->place && bodies->slab && bodies->moved) {
+    if (bodies->record && bodies->spin && bodies->state && bodies->path && bodies->position && bodies->class &&
+        bodies->kind_of && bodies->number && bodies->place && bodies->slab && bodies->moved) {
         for (int k = 0; k < count; k++) bodies->number[k] = bodies->place[k] = k;
         memset(bodies->slab, -1, n);
         return SCREE_OK;
@@ -40,6 +41,7 @@ scree_status scree_bodies_create(struct scree_bodies *bodies, int count, struct 
 void scree_bodies_destroy(struct scree_bodies *bodies) {
     for (int k = 0; k < bodies->motions; k++) scree_motion_free(&bodies->motion[k]);
     scree_memory_free(bodies->record);
+    scree_memory_free(bodies->spin);
     scree_memory_free(bodies->state);
     scree_memory_free(bodies->flight);
     scree_memory_free(bodies->path);
@@ -143,7 +145,7 @@ scree_status scree_bodies_set(struct scree_bodies *bodies, int index, const scre
     record->inverse_moment = inertia->inverse_moments[0];
     record->radius = def->shape.kind == SCREE_SPHERE ? def->shape.radius : 0.0;
     if (def->shape.kind == SCREE_BOX) record->radius = def->shape.rounding;
-    record->limit = fmin(0.5 * scree_shape_half_width(&def->shape), unlimited);
+    bodies->spin[index].limit = fmin(0.5 * scree_shape_half_width(&def->shape), unlimited);
     record->bound = fmin(scree_shape_bound(&def->shape), unlimited);
     return choose_kind(bodies, index, &kind, trouble);
 }
@@ -218,15 +220,17 @@ scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree
                                  scree_trouble *trouble) {
     *shadow = *bodies;
     shadow->record = zeroed((size_t)bodies->count, sizeof *shadow->record);
+    shadow->spin = zeroed((size_t)bodies->count, sizeof *shadow->spin);
     shadow->attitude = zeroed((size_t)bodies->attitudes, sizeof *shadow->attitude);
     shadow->corner = zeroed(1 + 8 * (size_t)bodies->attitudes, sizeof *shadow->corner);
-    if (shadow->record && shadow->attitude && shadow->corner) return SCREE_OK;
+    if (shadow->record && shadow->spin && shadow->attitude && shadow->corner) return SCREE_OK;
     scree_bodies_free_shadow(shadow);
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a copy of %d bodies", bodies->count);
 }
 
 void scree_bodies_free_shadow(struct scree_bodies *shadow) {
     scree_memory_free(shadow->record);
+    scree_memory_free(shadow->spin);
     scree_memory_free(shadow->attitude);
     scree_memory_free(shadow->corner);
     *shadow = (struct scree_bodies){0};

@@ -20,14 +20,19 @@
 
 #include <stdint.h>
 
-/* What the contact loop reads (x, v, w: half a step ahead) and adds to (f, t). The fourth lane of each row is free
- * in a record of doubles fit for four-wide loads, and carries what contacts need besides. */
+/* What the contact loop reads (x, v and the spin: half a step ahead) and adds to (f, t). The fourth lane of each row is
+ * free in a record of doubles fit for four-wide loads, and carries what contacts need besides. Two rows that are used
+ * together fill a line of the cache: one that lies across two lines takes twice as long to be added to. So the spin,
+ * the odd row, has an array of its own. */
 struct scree_record {
     double x[3], radius;         /* centre, m; radius of the ball at the centre or at each corner, m */
     double v[3], inverse_mass;   /* m/s; 1/kg, 0 if forces can't move the centre */
-    double w[3], limit;          /* spin, rad/s; largest tolerable overlap, m */
     double f[3], inverse_moment; /* impulse of the step, N s; of a ball 1/(kg m^2) */
     double t[3], bound;          /* angular impulse of the step, N m s; radius about the centre, m */
+};
+
+struct scree_spin {
+    double w[3], limit; /* rad/s; largest tolerable overlap, m */
 };
 
 struct scree_state {
@@ -107,6 +112,7 @@ struct scree_bodies {
     int *place;        /* [number] */
     signed char *slab; /* [place]: -1: no member */
     struct scree_record *record;
+    struct scree_spin *spin;
     struct scree_state *state;
     double *path;          /* way off the flight since the last list, m */
     float (*flight)[4];    /* see scree_flight_row; three of four numbers count (contact/flight.c). NULL: all zero */
@@ -128,6 +134,10 @@ struct scree_bodies {
     int periodic;             /* along some axis */
     double low[3], period[3]; /* where the box begins and after what length all repeats, m; 0: never */
 };
+
+static inline struct vec scree_spin_of(const struct scree_bodies *bodies, int index) {
+    return vec_from(bodies->spin[index].w);
+}
 
 static inline struct scree_kind *scree_kind_of(const struct scree_bodies *bodies, int index) {
     return &bodies->kind[bodies->kind_of[index]];

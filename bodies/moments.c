@@ -96,7 +96,7 @@ static void know(const struct scree_bodies *bodies, const struct scree_bodies *n
     }
     if (scree_kind_of(bodies, index)->slot < 0 || joint->turn == SCREE_FIXED) return;
     const struct scree_attitude *attitude = scree_attitude_of(now, index);
-    struct vec spin = vec_from(record->w), turn = {0.0, 0.0, 0.0};
+    struct vec spin = vec_from(now->spin[index].w), turn = {0.0, 0.0, 0.0};
     if (joint->turn == SCREE_DRIVEN) {
         struct vec later = vec_scale(bodies->moved[joint->turn_motion].velocity, vec_from(attitude->axis));
         turn = vec_scale(1.0 / step, vec_sub(later, spin));
@@ -114,7 +114,7 @@ static double range_of(const struct scree_bodies *bodies, const struct scree_bod
     const struct scree_record *record = &now->record[index];
     const struct scree_inertia *inertia = &scree_kind_of(bodies, index)->inertia;
     const double *inverse = inertia->inverse_moments;
-    double spin = vec_norm(vec_from(record->w)), mass = 0.0;
+    double spin = vec_norm(vec_from(now->spin[index].w)), mass = 0.0;
     double turn = fmax(inverse[0], fmax(inverse[1], inverse[2]));
     if (scree_kind_of(bodies, index)->slot >= 0) turn = fmax(turn, scree_attitude_of(bodies, index)->inverse_hinge);
     for (int k = 0; k < 3; k++) mass = fmax(mass, inertia->inverse_mass[k]);
@@ -146,7 +146,7 @@ static void prepare_push(const struct scree_bodies *bodies, int index, double st
 
 /* All this for a ball: it starts from its state, gravity is all that is known, its own turning moves no surface. */
 static void look_at_ball(const struct scree_bodies *bodies, int index, double step, const double gravity[3],
-                         double fall, struct scree_record *now) {
+                         double fall, struct scree_record *now, struct scree_spin *spin) {
     const struct scree_record *record = &bodies->record[index];
     const struct scree_state *state = &bodies->state[index];
     const struct scree_past *past = &bodies->past[index];
@@ -155,7 +155,7 @@ static void look_at_ball(const struct scree_bodies *bodies, int index, double st
     for (int k = 0; k < 3; k++) {
         now->x[k] = bodies->position[index][k];
         now->v[k] = state->v[k];
-        now->w[k] = record->inverse_moment * state->l[k];
+        spin->w[k] = record->inverse_moment * state->l[k];
         push->along[k] = gravity[k] + along * past->f[0][k];
         push->more[k] = along * (past->f[0][k] - past->f[1][k]);
         push->turn[k] = turn * past->t[0][k];
@@ -164,7 +164,7 @@ static void look_at_ball(const struct scree_bodies *bodies, int index, double st
     }
     now->radius = record->radius;
     now->inverse_mass = record->inverse_mass;
-    now->limit = record->limit;
+    spin->limit = bodies->spin[index].limit;
     now->bound = record->bound;
     double kicks = 2.0 * vec_norm(vec_from(past->f[0])) + vec_norm(vec_from(past->f[1]));
     push->along[3] = 2.0 * step * (vec_norm(vec_from(state->v)) + record->inverse_mass * kicks + step * fall);
@@ -199,9 +199,10 @@ static int look_at_others(struct scree_bodies *bodies, double time, double step,
 static int look_both_ways(struct scree_bodies *bodies, int k, double step, const double gravity[3], double fall,
                           double margin, struct scree_bodies *now) {
     if (bodies->class[k] != SCREE_CLASS_BALL) return 0;
-    look_at_ball(bodies, k, step, gravity, fall, &now->record[k]);
-    double square = scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]),
-                                          step, scree_row_of(gravity), scree_flight_row(bodies, k));
+    look_at_ball(bodies, k, step, gravity, fall, &now->record[k], &now->spin[k]);
+    double square = scree_ball_look_ahead(&bodies->record[k], &bodies->spin[k],
+                                          scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
+                                          scree_row_of(gravity), scree_flight_row(bodies, k));
     return scree_outgrown(&bodies->path[k], step * sqrt(square), margin);
 }
 

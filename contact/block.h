@@ -81,10 +81,22 @@ static SCREE_INLINE void transpose_wide(wide_row r[8]) {
 }
 #endif
 
-/* The bodies of one block of contacts. */
+/* The bodies of one block of contacts, as offsets in bytes into the array of spins: what processors reckon with. */
 struct ends {
-    struct scree_record *ball[SCREE_LANES], *host[SCREE_LANES];
+    struct scree_record *record;
+    const struct scree_spin *spin;
+    size_t ball[SCREE_LANES], host[SCREE_LANES];
 };
+
+_Static_assert(sizeof(struct scree_record) == 4 * sizeof(struct scree_spin), "one offset leads to both");
+
+static SCREE_INLINE struct scree_record *record_at(struct scree_record *record, size_t offset) {
+    return (struct scree_record *)((char *)record + offset * 4);
+}
+
+static SCREE_INLINE const struct scree_spin *spin_at(const struct scree_spin *spin, size_t offset) {
+    return (const struct scree_spin *)((const char *)spin + offset);
+}
 
 /* Columns of one block of contacts. What one pass divides, or takes the root of, the next one works with: a processor
  * looks ahead over some sixty operations, and what waits for a root would fill them. */
@@ -177,7 +189,8 @@ static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls,
     const wide_row none = {0.0}, one = none + 1.0;
     wide_row r[8];
     for (int i = 0; i < 8; i++) {
-        wide_row ball = *(const wide_row *)ends->ball[lane + i]->x, host = *(const wide_row *)ends->host[lane + i]->x;
+        wide_row ball = *(const wide_row *)record_at(ends->record, ends->ball[lane + i])->x;
+        wide_row host = *(const wide_row *)record_at(ends->record, ends->host[lane + i])->x;
         r[i] = ball - (even ? host : wide_turned(host));
     }
     transpose_wide(r);
@@ -192,23 +205,25 @@ static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls,
 static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
     wide_row r[8];
     for (int i = 0; i < 8; i++) {
-        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
+        const struct scree_spin *ball = spin_at(ends->spin, ends->ball[lane + i]);
+        const struct scree_spin *host = spin_at(ends->spin, ends->host[lane + i]);
         r[i] = wide_of(*(const scree_row *)ball->w, *(const scree_row *)host->w);
-        b->radius[lane + i] = ball->radius;
+        b->radius[lane + i] = record_at(ends->record, ends->ball[lane + i])->radius;
     }
     transpose_wide(r);
     store_wide(r, 4, b->ball_spin, lane);
     store_wide(r + 4, 4, b->host_spin, lane);
 }
 
+/* Of ball and partner together. */
+static SCREE_INLINE scree_row even_spin(const struct ends *ends, int lane) {
+    const double *ball = spin_at(ends->spin, ends->ball[lane])->w, *host = spin_at(ends->spin, ends->host[lane])->w;
+    return *(const scree_row *)ball + *(const scree_row *)host;
+}
+
 static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, struct block *b) {
     wide_row r[4];
-    for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
-        const struct scree_record *later_ball = ends->ball[lane + 4 + i], *later_host = ends->host[lane + 4 + i];
-        r[i] = wide_of(*(const scree_row *)ball->w + *(const scree_row *)host->w,
-                       *(const scree_row *)later_ball->w + *(const scree_row *)later_host->w);
-    }
+    for (int i = 0; i < 4; i++) r[i] = wide_of(even_spin(ends, lane + i), even_spin(ends, lane + 4 + i));
     transpose_halves(r);
     store_wide(r, 3, b->ball_spin, lane);
 }
@@ -226,11 +241,12 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
     const scree_row sign = {1.0, 1.0, 1.0, -1.0}, one = {1.0, 1.0, 1.0, 1.0};
     scree_row shift[4], rush[4], ball_spin[4], host_spin[4];
     for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
+        const struct scree_record *ball = record_at(ends->record, ends->ball[lane + i]);
+        const struct scree_record *host = record_at(ends->record, ends->host[lane + i]);
         shift[i] = *(const scree_row *)ball->x - *(const scree_row *)host->x * sign;
         rush[i] = *(const scree_row *)ball->v - *(const scree_row *)host->v * sign;
-        ball_spin[i] = *(const scree_row *)ball->w;
-        host_spin[i] = *(const scree_row *)host->w;
+        ball_spin[i] = *(const scree_row *)spin_at(ends->spin, ends->ball[lane + i])->w;
+        host_spin[i] = *(const scree_row *)spin_at(ends->spin, ends->host[lane + i])->w;
         if (even) ball_spin[i] += host_spin[i];
         if (!even) b->radius[lane + i] = ball->radius;
     }
@@ -248,18 +264,21 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
 /* Processors without such rows: number by number, which compilers do better than rows in halves. */
 static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
     for (int i = lane; i < lane + WIDTH; i++) {
-        const struct scree_record *ball = ends->ball[i], *host = ends->host[i];
+        const struct scree_record *ball = record_at(ends->record, ends->ball[i]);
+        const struct scree_record *host = record_at(ends->record, ends->host[i]);
+        const struct scree_spin *ball_spin = spin_at(ends->spin, ends->ball[i]);
+        const struct scree_spin *host_spin = spin_at(ends->spin, ends->host[i]);
         for (int k = 0; k < 3; k++) {
             b->shift[k][i] = ball->x[k] - host->x[k];
             b->rush[k][i] = ball->v[k] - host->v[k];
-            b->ball_spin[k][i] = even ? ball->w[k] + host->w[k] : ball->w[k];
-            if (!even) b->host_spin[k][i] = host->w[k];
+            b->ball_spin[k][i] = even ? ball_spin->w[k] + host_spin->w[k] : ball_spin->w[k];
+            if (!even) b->host_spin[k][i] = host_spin->w[k];
         }
         if (even) continue;
         b->shift[3][i] = ball->radius + host->radius;
         b->rush[3][i] = ball->inverse_mass + host->inverse_mass;
-        b->ball_spin[3][i] = ball->limit;
-        b->host_spin[3][i] = host->limit;
+        b->ball_spin[3][i] = ball_spin->limit;
+        b->host_spin[3][i] = host_spin->limit;
         b->radius[i] = ball->radius;
     }
     if (balls) measure_apart(b, lane, WIDTH);
@@ -269,9 +288,11 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
 /* Padding repeats the last contact. */
 static inline void find_ends(const struct scree_bodies *bodies, const struct scree_ends *contact, int count,
                              struct ends *ends) {
+    ends->record = bodies->record;
+    ends->spin = bodies->spin;
     for (int k = 0; k < count; k++) {
-        ends->ball[k] = &bodies->record[contact[k].ball];
-        ends->host[k] = &bodies->record[contact[k].host];
+        ends->ball[k] = (size_t)contact[k].ball * sizeof *bodies->spin;
+        ends->host[k] = (size_t)contact[k].host * sizeof *bodies->spin;
     }
     for (int k = count; k < padded(count); k++) {
         ends->ball[k] = ends->ball[count - 1];
@@ -542,17 +563,17 @@ static inline void gather_crossing(const struct scree_bodies *bodies, const stru
 }
 
 /* The most that a point of a body goes in a second, m. */
-static inline double haste_of(const struct scree_record *record) {
-    return vec_norm(vec_from(record->v)) + vec_norm(vec_from(record->w)) * record->bound;
+static inline double haste_of(const struct scree_bodies *bodies, int k) {
+    return vec_norm(vec_from(bodies->record[k].v)) + vec_norm(scree_spin_of(bodies, k)) * bodies->record[k].bound;
 }
 
 /* Whether two boxes may touch edge on edge in this step, whose own way counts too: a contact that begins in it is felt
  * from its beginning. Where they can't, all would come out as zero. */
 static inline int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
                             const struct scree_run *run, double step) {
-    const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
     double way = bodies->path[contact->ball] + bodies->path[contact->host] - run->from;
-    if (way < run->clear && way + step * (haste_of(a) + haste_of(b)) < run->clear) return 0;
+    double haste = haste_of(bodies, contact->ball) + haste_of(bodies, contact->host);
+    if (way < run->clear && way + step * haste < run->clear) return 0;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
     return !scree_meet_as_rectangles(&boxes, run->first);
 }

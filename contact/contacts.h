@@ -478,7 +478,9 @@ double scree_effective_radius(const struct scree_bodies *bodies, int ball, int h
 /* ---- between the files of this folder ---- */
 
 /* How deep the ball of a body can be in a rectangle before the whole body is below it, m. */
-static inline double scree_thickness(const struct scree_record *ball) { return ball->radius + 2.0 * ball->limit; }
+static inline double scree_thickness(const struct scree_bodies *bodies, int ball) {
+    return bodies->record[ball].radius + 2.0 * bodies->spin[ball].limit;
+}
 
 /* Whether the contact can turn its bodies. It depends on the contact alone: what else is listed must not change a
  * bit. */

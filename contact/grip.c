@@ -100,7 +100,7 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
 static struct vec normal_rate(const struct scree_grip *grip, const struct scree_bodies *bodies, struct vec centre,
                               struct vec centre_velocity, struct vec n) {
     const struct scree_record *ball = &bodies->record[grip->contact.ball], *host = &bodies->record[grip->contact.host];
-    struct vec origin = vec_from(host->x), spin = vec_from(host->w);
+    struct vec origin = vec_from(host->x), spin = scree_spin_of(bodies, grip->contact.host);
     if (grip->geometry == SCREE_BALL_PLANE) return vec_cross(spin, n);
     if (grip->geometry == SCREE_BALL_BALL) {
         struct vec past = vec_sub(centre_velocity, vec_from(host->v));
@@ -127,8 +127,8 @@ void scree_grip_meet(const struct scree_grip *grip, const struct scree_bodies *b
     view->arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal);
     view->host_arm = vec_add(view->arm, vec_sub(x, vec_from(host->x)));
     struct vec velocity = vec_sub(vec_from(ball->v), vec_from(host->v));
-    velocity = vec_add(velocity, vec_cross(vec_from(ball->w), view->arm));
-    velocity = vec_sub(velocity, vec_cross(vec_from(host->w), view->host_arm));
+    velocity = vec_add(velocity, vec_cross(scree_spin_of(bodies, grip->contact.ball), view->arm));
+    velocity = vec_sub(velocity, vec_cross(scree_spin_of(bodies, grip->contact.host), view->host_arm));
     view->closing = -vec_dot(velocity, m.normal);
     view->slip = vec_axpy(velocity, view->closing, m.normal);
 }
@@ -256,9 +256,10 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     }
     if (grip->state != SCREE_GRIP_HELD || (!grip->friction && !grip->rolling)) return;
     double normal = grip->pulling ? 0.0 : fmax(view->force, 0.0);
-    const struct scree_record *ball = &bodies->record[grip->contact.ball], *host = &bodies->record[grip->contact.host];
+    const struct scree_record *ball = &bodies->record[grip->contact.ball];
+    struct vec ball_spin = scree_spin_of(bodies, grip->contact.ball);
     struct vec centre_velocity =
-        vec_add(vec_from(ball->v), vec_cross(vec_from(ball->w), vec_from(bodies->corner[grip->contact.corner])));
+        vec_add(vec_from(ball->v), vec_cross(ball_spin, vec_from(bodies->corner[grip->contact.corner])));
     struct vec centre = vec_add(vec_from(ball->x), vec_from(bodies->corner[grip->contact.corner])), turning = zero;
     if (scree_grip_is_slider(grip, SCREE_GRIP_FRICTION) || scree_grip_is_slider(grip, SCREE_GRIP_ROLLING) ||
         (grip->friction && grip->friction->rate))
@@ -272,7 +273,7 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
         view->rate[SCREE_GRIP_FRICTION] = vec_axpy(view->rate[SCREE_GRIP_FRICTION], -vec_dot(stretch, turning), n);
     }
     if (!grip->rolling) return;
-    struct vec velocity = vec_scale(grip->lever, vec_sub(vec_from(ball->w), vec_from(host->w)));
+    struct vec velocity = vec_scale(grip->lever, vec_sub(ball_spin, scree_spin_of(bodies, grip->contact.host)));
     double along = vec_dot(velocity, n);
     struct vec stretch = vec_from(memory + 3 * SCREE_GRIP_ROLLING);
     view->velocity[SCREE_GRIP_ROLLING] = vec_axpy(velocity, -along, n);

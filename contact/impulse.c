@@ -23,7 +23,7 @@
 struct side {
     const struct scree_record *record;
     const struct scree_past *past;
-    struct vec inverse_mass;
+    struct vec spin, inverse_mass;
     struct mat inverse_inertia;
     struct vec arm; /* from its centre to the contact, m */
     double sign;    /* of the contact's force on it */
@@ -37,6 +37,7 @@ struct side {
 static struct side side_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, struct vec arm,
                            double sign, int turns) {
     return (struct side){.record = &now->record[index],
+                         .spin = scree_spin_of(now, index),
                          .past = &bodies->past[index],
                          .inverse_mass = vec_from(scree_kind_of(bodies, index)->inertia.inverse_mass),
                          .inverse_inertia = scree_bodies_inverse_inertia(now, index),
@@ -297,11 +298,11 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
 /* The velocity of the ball against its host at the contact. */
 static struct vec slip_of(const struct side *ball, const struct side *host) {
     if (ball->leans)
-        return vec_sub(seen(ball, vec_from(ball->record->v), vec_from(ball->record->w)),
-                       seen(host, vec_from(host->record->v), vec_from(host->record->w)));
+        return vec_sub(seen(ball, vec_from(ball->record->v), ball->spin),
+                       seen(host, vec_from(host->record->v), host->spin));
     struct vec velocity = vec_sub(vec_from(ball->record->v), vec_from(host->record->v));
-    velocity = vec_add(velocity, vec_cross(vec_from(ball->record->w), ball->arm));
-    return vec_sub(velocity, vec_cross(vec_from(host->record->w), host->arm));
+    velocity = vec_add(velocity, vec_cross(ball->spin, ball->arm));
+    return vec_sub(velocity, vec_cross(host->spin, host->arm));
 }
 
 /* What the velocity at the contact gains because arms and normal turn while the bodies go on as they are. */
@@ -310,13 +311,13 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
     struct vec arm = vec_scale(2.0 / step, vec_sub(middle.arm, now.arm));
     struct vec apart = vec_scale(2.0 / step, vec_sub(middle.apart, now.apart));
     struct vec normal = vec_scale(2.0 / step, vec_sub(middle.normal, now.normal));
-    struct vec gain = vec_cross(vec_from(ball->record->w), arm);
-    gain = vec_sub(gain, vec_cross(vec_from(host->record->w), vec_add(arm, apart)));
+    struct vec gain = vec_cross(ball->spin, arm);
+    gain = vec_sub(gain, vec_cross(host->spin, vec_add(arm, apart)));
     if (ball->leans) {
         struct vec between = vec_sub(vec_from(ball->record->v), vec_from(host->record->v));
         double more = vec_dot(vec_sub(middle.lean, now.lean), between) +
-                      vec_dot(vec_sub(middle.turn_ball, now.turn_ball), vec_from(ball->record->w)) +
-                      vec_dot(vec_sub(middle.turn_host, now.turn_host), vec_from(host->record->w));
+                      vec_dot(vec_sub(middle.turn_ball, now.turn_ball), ball->spin) +
+                      vec_dot(vec_sub(middle.turn_host, now.turn_host), host->spin);
         gain = vec_axpy(gain, 2.0 / step * more, now.normal);
     }
     return vec_sub(gain, vec_cross(vec_cross(now.normal, normal), velocity));
@@ -342,7 +343,7 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
     double *const *own = law->memory ? place.batch->kept + SCREE_KEPT_ROLLING : NULL;
     double lever = scree_pair(place.batch, SCREE_PAIR_LEVER, place.index);
     int lane = place.lane, k = place.index;
-    struct vec spin = vec_sub(vec_from(bodies->record[contact->ball].w), vec_from(bodies->record[contact->host].w));
+    struct vec spin = vec_sub(scree_spin_of(bodies, contact->ball), scree_spin_of(bodies, contact->host));
     struct vec velocity = vec_scale(lever, spin), n = middle.normal;
     double along = vec_dot(velocity, n);
     struct scree_sliding rolling = {.normal = normal > 0.0 ? normal : 0.0,
@@ -477,9 +478,10 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     const struct scree_batch *batch = place.batch;
     const struct scree_ends *contact = &batch->ends[place.index];
     const struct scree_record *a = &bodies->record[contact->ball], *b = &bodies->record[contact->host];
+    double limit = fmin(bodies->spin[contact->ball].limit, bodies->spin[contact->host].limit);
     struct outcome o;
     int acts = reckon(contacts, bodies, bodies_now, place, step, &o);
-    place.yield->depth[place.lane] = o.now.overlap / (a->limit < b->limit ? a->limit : b->limit);
+    place.yield->depth[place.lane] = o.now.overlap / limit;
     if (!acts) {
         write_nothing(place);
         return;
@@ -574,9 +576,9 @@ struct stride {
 /* What a block reads of its partners, before it is due; balls come in rows anyway. */
 static void foresee(const struct scree_bodies *now, const struct scree_ends *contact, int left) {
     for (int k = 0; k < left && k < SCREE_LANES; k++) {
-        const char *record = (const char *)&now->record[contact[k].host],
-                   *push = (const char *)&now->push[contact[k].host];
-        for (size_t line = 0; line < sizeof(struct scree_record); line += 64) __builtin_prefetch(record + line);
+        const char *push = (const char *)&now->push[contact[k].host];
+        __builtin_prefetch(now->record[contact[k].host].x);
+        __builtin_prefetch(now->spin[contact[k].host].w);
         for (size_t line = 0; line < sizeof(struct scree_push); line += 64) __builtin_prefetch(push + line, 1);
     }
 }

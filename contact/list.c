@@ -42,7 +42,7 @@ double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
         return -scree_meet_rectangle(centre, a->radius, whole, origin, &partner->frame, partner->half,
-                                     scree_thickness(a) + way)
+                                     scree_thickness(bodies, contact->ball) + way)
                     .overlap;
     case SCREE_BOX: {
         double gap =
@@ -147,7 +147,7 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
     double depth =
         scree_boxes_depth(apart, scree_attitude_of(bodies, i), scree_attitude_of(bodies, j), a->radius + b->radius);
-    double deep = depth / fmin(a->limit, b->limit);
+    double deep = depth / fmin(bodies->spin[i].limit, bodies->spin[j].limit);
     if (deep <= contacts->deepest) return;
     contacts->deepest = deep;
     contacts->deepest_ball = bodies->number[i];
@@ -340,7 +340,7 @@ static void limit_margins(struct scree_contacts *contacts, const struct scree_bo
 static double way_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
     const struct scree_record *record = &bodies->record[k];
     double lever = scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound;
-    return contacts->step * (speed_of(contacts, bodies, k) + vec_norm(vec_from(record->w)) * lever);
+    return contacts->step * (speed_of(contacts, bodies, k) + vec_norm(vec_from(bodies->spin[k].w)) * lever);
 }
 
 /* Before an outer list: all that its bodies may go until the next one is half the skin, path 0. Where bodies are many,

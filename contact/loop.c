@@ -128,6 +128,7 @@ static SCREE_INLINE void call(const void *array, size_t from, size_t to) {
 
 static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, int from, int to) {
     call(bodies->record, (size_t)from * sizeof *bodies->record, (size_t)to * sizeof *bodies->record);
+    call(bodies->spin, (size_t)from * sizeof *bodies->spin, (size_t)to * sizeof *bodies->spin);
     call(bodies->state, (size_t)from * sizeof *bodies->state, (size_t)to * sizeof *bodies->state);
 }
 
@@ -138,6 +139,7 @@ static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struc
     for (; far; far &= far - 1) {
         int k = __builtin_ctz(far), later = own[k].host > own[k].ball ? own[k].host : own[k].ball;
         call(&bodies->record[later], 0, sizeof *bodies->record);
+        call(&bodies->spin[later], 0, sizeof *bodies->spin);
     }
 }
 
@@ -179,15 +181,16 @@ static SCREE_INLINE double move_one(struct scree_bodies *bodies, int k, const st
         return 0.0;
     }
     struct scree_ball_rows rows = scree_ball_advance(record, &bodies->state[k], go->step, gravity);
-    if (go->ahead) return scree_ball_look_ahead(record, rows, go->step, next, scree_flight_row(bodies, k));
+    if (go->ahead)
+        return scree_ball_look_ahead(record, &bodies->spin[k], rows, go->step, next, scree_flight_row(bodies, k));
     scree_ball_stay(rows, bodies->position[k]);
     return 0.0;
 }
 
 /* The same of a ball that goes straight on to the middle of the next step. */
-static SCREE_INLINE double hurry_one(struct scree_record *record, struct scree_state *state, const float *flight,
-                                     double step, scree_row gravity, scree_row next) {
-    return scree_ball_look_ahead(record, scree_ball_advance(record, state, step, gravity), step, next, flight);
+static SCREE_INLINE double hurry_one(struct scree_record *record, struct scree_spin *spin, struct scree_state *state,
+                                     const float *flight, double step, scree_row gravity, scree_row next) {
+    return scree_ball_look_ahead(record, spin, scree_ball_advance(record, state, step, gravity), step, next, flight);
 }
 
 /* In two passes over some bodies at a time: a root at the end of each body's chain would hold up the next. `lent`: see
@@ -199,11 +202,12 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
     int plain = all_are(bodies->class + from, count, SCREE_CLASS_BALL) && (!lent || all_are(lent + from, count, only));
     if (plain && go->ahead) {
         struct scree_record *record = bodies->record + from;
+        struct scree_spin *spin = bodies->spin + from;
         struct scree_state *state = bodies->state + from;
         int flies = bodies->flight != NULL;
         const float *flight = scree_flight_row(bodies, from);
         for (int k = 0; k < count; k++)
-            square[k] = hurry_one(&record[k], &state[k], flight + (flies ? 4 * k : 0), step, gravity, next);
+            square[k] = hurry_one(&record[k], &spin[k], &state[k], flight + (flies ? 4 * k : 0), step, gravity, next);
     } else {
         for (int k = 0; k < count; k++) {
             int stays = bodies->class[from + k] == SCREE_CLASS_ASLEEP || (lent && lent[from + k] != only);

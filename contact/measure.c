@@ -28,7 +28,7 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
     struct vec n = touch->normal;
-    struct vec spin = vec_sub(vec_from(bodies->record[touch->ball].w), vec_from(bodies->record[touch->host].w));
+    struct vec spin = vec_sub(scree_spin_of(bodies, touch->ball), scree_spin_of(bodies, touch->host));
     struct vec velocity = vec_scale(lever, spin);
     double along = vec_dot(velocity, n);
     struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
@@ -61,8 +61,8 @@ static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct
     struct vec corner = scree_corner_of(bodies, contact, geometry);
     *m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
     struct vec velocity = vec_sub(vec_from(ball->v), vec_from(host->v)), none = {0.0, 0.0, 0.0};
+    struct vec ball_spin = scree_spin_of(bodies, contact->ball), host_spin = scree_spin_of(bodies, contact->host);
     if (geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE) {
-        struct vec ball_spin = vec_from(ball->w), host_spin = vec_from(host->w);
         double radii = ball->radius + host->radius, closing = -vec_dot(velocity, m->normal);
         struct scree_roll roll =
             scree_goes_even(bodies, batch, rolls)
@@ -71,7 +71,7 @@ static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct
         return (struct scree_gait){vec_axpy(none, -roll.lever, m->normal), roll.slip, closing};
     }
     return scree_gait_of(m->normal, m->overlap, ball->radius, corner, scree_apart(bodies, contact, geometry), velocity,
-                         vec_from(ball->w), vec_from(host->w));
+                         ball_spin, host_spin);
 }
 
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,

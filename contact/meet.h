@@ -45,7 +45,7 @@ static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies,
     struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
     if (geometry == SCREE_BALL_RECTANGLE)
         return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
-                                    scree_thickness(ball));
+                                    scree_thickness(bodies, contact->ball));
     return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
 }
 
@@ -139,11 +139,11 @@ static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *b
                                                     const struct scree_crossing *c) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     struct vec n = c->meeting.normal, apart = vec_sub(vec_from(ball->x), vec_from(host->x));
+    struct vec ball_spin = scree_spin_of(bodies, contact->ball), host_spin = scree_spin_of(bodies, contact->host);
     struct vec between = vec_sub(vec_from(ball->v), vec_from(host->v));
-    struct vec velocity = vec_add(between, vec_cross(vec_from(ball->w), c->point));
-    velocity = vec_sub(velocity, vec_cross(vec_from(host->w), vec_add(c->point, apart)));
-    double closing =
-        -vec_dot(c->force, between) - vec_dot(c->turn_a, vec_from(ball->w)) - vec_dot(c->turn_b, vec_from(host->w));
+    struct vec velocity = vec_add(between, vec_cross(ball_spin, c->point));
+    velocity = vec_sub(velocity, vec_cross(host_spin, vec_add(c->point, apart)));
+    double closing = -vec_dot(c->force, between) - vec_dot(c->turn_a, ball_spin) - vec_dot(c->turn_b, host_spin);
     /* A gradient that turns a body more than a force at its farthest point would is too steep for an explicit dashpot:
      * what the dashpot is told of the speed is less in the square, as if its lever ended there. */
     double lever = fmax(vec_norm(c->turn_a) / ball->bound, vec_norm(c->turn_b) / host->bound);

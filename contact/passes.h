@@ -259,7 +259,7 @@ static inline struct work work_on(const struct scree_contacts *contacts, const s
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
     struct sizes sizes = {scree_goes_even(bodies, batch, rule->rolling >= 0), bodies->even + bodies->even,
-                          bodies->record[batch->ends[first].ball].limit};
+                          bodies->spin[batch->ends[first].ball].limit};
     return (struct work){.batch = batch,
                          .rule = rule,
                          .wants = {.step = step,

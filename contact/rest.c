@@ -232,7 +232,7 @@ static void fall_asleep(struct scree_contacts *contacts, struct scree_bodies *bo
     memset(state->v, 0, sizeof state->v);
     memset(state->l, 0, sizeof state->l);
     memset(record->v, 0, sizeof record->v);
-    memset(record->w, 0, sizeof record->w);
+    memset(bodies->spin[k].w, 0, sizeof bodies->spin[k].w);
     if (bodies->class[k] == SCREE_CLASS_GENERAL)
         quat_store(scree_attitude_of(bodies, k)->ahead, scree_attitude_of(bodies, k)->q);
     bodies->class[k] = SCREE_CLASS_ASLEEP;
@@ -262,8 +262,9 @@ void scree_rest_wake(struct scree_contacts *contacts, struct scree_bodies *bodie
         if (bodies->class[k] != SCREE_CLASS_ASLEEP || imbalance(bodies, k, step, gravity) <= 4.0 * rest->pull) continue;
         wake(contacts, bodies, k, step, gravity);
         if (ahead && bodies->slab[k] >= 0) /* as all members are already */
-            scree_ball_look_ahead(&bodies->record[k], scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
-                                  scree_row_of(gravity), scree_flight_row(bodies, k));
+            scree_ball_look_ahead(&bodies->record[k], &bodies->spin[k],
+                                  scree_ball_rows(&bodies->state[k], bodies->position[k]), step, scree_row_of(gravity),
+                                  scree_flight_row(bodies, k));
     }
 }
 
@@ -277,7 +278,7 @@ void scree_rest_look(struct scree_contacts *contacts, struct scree_bodies *bodie
         }
         if (!may_sleep(bodies, k)) continue;
         const struct scree_record *record = &bodies->record[k];
-        double speed = vec_norm(vec_from(record->v)) + record->bound * vec_norm(vec_from(record->w));
+        double speed = vec_norm(vec_from(record->v)) + record->bound * vec_norm(vec_from(bodies->spin[k].w));
         int drifts = speed > 0.0 && vec_norm2(vec_from(record->f)) == 0.0; /* nothing holds it */
         int calm = speed < rest->speed && !drifts ? bodies->calm[k] + 1 : 0;
         bodies->calm[k] = (unsigned char)(calm < ENOUGH ? calm : ENOUGH);

@@ -182,7 +182,7 @@ static void move_body(const struct scree_bodies *bodies, int k, const double gra
     for (int axis = 0; axis < 3; axis++) {
         rates[OF_X + axis] = rates[OF_V + axis] = 0.0;
         if (joint->along[axis] == SCREE_DRIVEN) *driven -= record->f[axis] * record->v[axis];
-        if (joint->turn == SCREE_DRIVEN) *driven -= record->t[axis] * record->w[axis];
+        if (joint->turn == SCREE_DRIVEN) *driven -= record->t[axis] * bodies->spin[k].w[axis];
         rates[OF_L + axis] = joint->turn == SCREE_FREE ? record->t[axis] : 0.0;
         if (joint->along[axis] != SCREE_FREE) continue;
         rates[OF_X + axis] = record->v[axis];
@@ -192,7 +192,8 @@ static void move_body(const struct scree_bodies *bodies, int k, const double gra
     if (scree_kind_of(bodies, k)->slot < 0) return;
     struct quat q = quat_from(scree_attitude_of(bodies, k)->q), rate = {0.0, 0.0, 0.0, 0.0};
     if (joint->turn == SCREE_FREE) {
-        struct quat spin = {0.0, 0.5 * record->w[0], 0.5 * record->w[1], 0.5 * record->w[2]};
+        const double *w = bodies->spin[k].w;
+        struct quat spin = {0.0, 0.5 * w[0], 0.5 * w[1], 0.5 * w[2]};
         rate = quat_multiply(spin, q);
     }
     quat_store(rate, rates + OF_Q);

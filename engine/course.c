@@ -37,7 +37,7 @@ static double haste(const struct scree_scene *scene) {
         if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         const struct scree_record *record = &bodies->record[k];
         double reach = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
-        fastest = fmax(fastest, vec_norm(vec_from(record->v)) + reach * vec_norm(vec_from(record->w)));
+        fastest = fmax(fastest, vec_norm(vec_from(record->v)) + reach * vec_norm(scree_spin_of(bodies, k)));
     }
     return fastest / (longest_way * scene->contacts.skin);
 }
@@ -52,7 +52,7 @@ static double lengthen_paths(struct scree_scene *scene, double time, const doubl
         double reach = scree_kind_of(&scene->bodies, k)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
         struct vec moved = vec_sub(vec_from(to + a->at[k]), vec_from(from + a->at[k]));
         const scree_joint *joint = &scree_kind_of(&scene->bodies, k)->joint;
-        double way = vec_norm(moved) + time * reach * vec_norm(vec_from(record->w));
+        double way = vec_norm(moved) + time * reach * vec_norm(scree_spin_of(&scene->bodies, k));
         for (int axis = 0; axis < 3; axis++)
             if (joint->along[axis] == SCREE_DRIVEN) way += time * fabs(record->v[axis]);
         longest = fmax(longest, way + (keep ? scene->bodies.path[k] : 0.0));
@@ -173,7 +173,7 @@ static void note_depths(struct scree_scene *scene) {
     struct scree_contacts *contacts = &scene->contacts;
     for (int k = 0; k < a->grips; k++) {
         const struct scree_contact *c = &a->grip[k].contact;
-        double limit = fmin(scene->bodies.record[c->ball].limit, scene->bodies.record[c->host].limit);
+        double limit = fmin(scene->bodies.spin[c->ball].limit, scene->bodies.spin[c->host].limit);
         double depth = a->view[k].overlap / limit;
         if (depth <= contacts->deepest) continue;
         contacts->deepest = depth;

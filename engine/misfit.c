@@ -70,7 +70,7 @@ static double body_misfit(const struct scree_scene *scene, int k, double step) {
     double spin = fmax(length3(bodies->state[k].l), moment * m->pace / bound);
     worst = larger(worst, a, a->at[k] + OF_L, tolerance * spin + noise * moment / bound + tiny);
     if (scree_kind_of(bodies, k)->slot < 0) return worst;
-    double scale = 0.5 * step * tolerance * (length3(bodies->record[k].w) + m->pace / bound) + 1e-15;
+    double scale = 0.5 * step * tolerance * (length3(bodies->spin[k].w) + m->pace / bound) + 1e-15;
     worst = larger(worst, a, a->at[k] + OF_Q, scale);
     return larger(worst, a, a->at[k] + OF_Q + 1, scale);
 }

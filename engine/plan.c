@@ -225,7 +225,7 @@ static scree_status check_start_overlaps(struct scree_scene *scene) {
         for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
             struct scree_touch touch;
             if (!scree_contacts_measure(contacts, &scene->bodies, b, k, &touch)) continue;
-            double limit = fmin(scene->bodies.record[touch.ball].limit, scene->bodies.record[touch.host].limit);
+            double limit = fmin(scene->bodies.spin[touch.ball].limit, scene->bodies.spin[touch.host].limit);
             if (touch.overlap <= limit) continue;
             return scree_report(
                 &scene->trouble, SCREE_BAD_INPUT, "position",

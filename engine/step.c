@@ -34,12 +34,12 @@ static int threads_of(const scree_scene *scene) { return scene->time.threads > 0
 static scree_status look_at(scree_scene *scene, const struct scree_bodies *now, int k) {
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_record *record = &bodies->record[k];
-    if (!scree_is_finite(record->x) || !scree_is_finite(record->v) || !scree_is_finite(record->w))
+    if (!scree_is_finite(record->x) || !scree_is_finite(record->v) || !scree_is_finite(bodies->spin[k].w))
         return stop(scene, bodies->number[k], -1,
                     "its position or velocity is no longer a finite number; the step is too large or a "
                     "contact too stiff");
     int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
-    struct vec velocity = vec_from(now->record[k].v), spin = vec_from(now->record[k].w);
+    struct vec velocity = vec_from(now->record[k].v), spin = scree_spin_of(now, k);
     double speed = vec_norm(velocity) + (plane ? 0.0 : vec_norm(spin) * record->bound);
     double hasty = speed * scene->step / scene->contacts.chosen_skin;
     if (hasty > scene->hasty) {
@@ -91,7 +91,7 @@ scree_status scree_check_depth(struct scree_scene *scene, double time) {
     if (contacts->deepest <= 1.0) return SCREE_OK;
     char cause[160];
     int ball = scene->bodies.place[contacts->deepest_ball], host = scene->bodies.place[contacts->deepest_host];
-    double limit = fmin(scene->bodies.record[ball].limit, scene->bodies.record[host].limit);
+    double limit = fmin(scene->bodies.spin[ball].limit, scene->bodies.spin[host].limit);
     snprintf(cause, sizeof cause,
              "overlap of %.6g m, beyond half a half-width (%.6g m): too soft, too fast or too long a step",
              contacts->deepest * limit, limit);
@@ -114,7 +114,7 @@ static void book_drives(scree_scene *scene, double time) {
             if (joint->along[axis] == SCREE_FREE && scene->gravity.tilts)
                 scene->driven -=
                     scree_kind_of(bodies, k)->inertia.mass * (after[axis] - before[axis]) * record->x[axis];
-            if (joint->turn == SCREE_DRIVEN) scene->driven -= record->t[axis] * record->w[axis];
+            if (joint->turn == SCREE_DRIVEN) scene->driven -= record->t[axis] * bodies->spin[k].w[axis];
         }
     }
 }

@@ -69,7 +69,7 @@ static scree_status define(const struct scree_trial *trial, const struct throw *
 static scree_status widen(scree_scene *scene, double way) {
     scene->contacts.skin = fmax(scene->contacts.skin, 10.0 * way);
     scene->contacts.chosen_skin = scene->contacts.skin;
-    scene->bodies.record[1].limit = HUGE_VAL;
+    scene->bodies.spin[1].limit = HUGE_VAL;
     return scree_contacts_list(&scene->contacts, &scene->bodies, 1, &scene->trouble);
 }
 

@@ -511,9 +511,9 @@ static void test_rest(void) {
         scree_body_state before = state_of(scene, "ball");
         scene->contacts.deepest = 0.5; /* a state that is kept */
         CHECK(scree_scene_step(scene, 1) == SCREE_OK);
-        scene->bodies.record[1].limit = 1e-9; /* the next step fails, until this is taken back */
+        scene->bodies.spin[1].limit = 1e-9; /* the next step fails, until this is taken back */
         CHECK(scree_scene_step(scene, 1) == SCREE_FAILED && scree_scene_halvings(scene) == SCREE_HALVINGS);
-        scene->bodies.record[1].limit = 5e-3;
+        scene->bodies.spin[1].limit = 5e-3;
         scene->contacts.deepest = 0.5;
         for (int n = 0; n < 1000; n++) CHECK(scree_step_plainly(scene, 1) == SCREE_OK);
         /* Impulses of the wrong length would push it by a part of g h, 1e-7 m/s. */

@@ -224,7 +224,7 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
                     const struct scree_attitude *a = scree_attitude_of(bodies, j);
                     m = host == SCREE_PLANE       ? scree_meet_plane(p, radius, origin, &a->frame)
                         : host == SCREE_RECTANGLE ? scree_meet_rectangle(p, radius, whole, origin, &a->frame, a->half,
-                                                                         scree_thickness(&bodies->record[i]))
+                                                                         scree_thickness(bodies, i))
                                                   : scree_meet_box(p, radius, whole, origin, &a->frame, a->half, other);
                 }
                 if (ball == SCREE_BOX && host == SCREE_BOX) {
@@ -493,7 +493,8 @@ static struct vec turn_by_hand(const scree_scene *scene, const struct scree_rule
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
     double lever = scree_effective_radius(&scene->bodies, touch.ball, touch.host, SCREE_BALL_BALL);
-    struct vec velocity = vec_scale(lever, vec_sub(vec_from(ball->w), vec_from(host->w)));
+    struct vec velocity =
+        vec_scale(lever, vec_sub(scree_spin_of(&scene->bodies, touch.ball), scree_spin_of(&scene->bodies, touch.host)));
     double along = vec_dot(velocity, m.normal);
     struct scree_sliding at = {.normal = fmax(touch.normal_force, 0.0), .overlap = touch.overlap, .half = 0.5 * h};
     at.velocity = vec_axpy(velocity, -along, m.normal);
