@@ -163,20 +163,26 @@ static void act_stretch(const struct slabs *all, int first, int behind) {
     for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
 }
 
-/* By several threads: they take stretches one after the other, and between these, later by one stretch more than there
- * are threads, the slabs that waited. So nobody waits for a slow neighbour, and what is taken last is small. */
+/* By several threads: each takes the stretches of its own part first, which it had the step before, so that bodies stay
+ * with it; then what others haven't begun; then, likewise, the slabs that waited. So nobody waits for a slow neighbour,
+ * and what is taken last is small. */
 static void act_shared(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
-    atomic_char done[SCREE_SLABS] = {0};
-#pragma omp parallel for schedule(monotonic : dynamic) num_threads(threads)
-    for (int turn = 0; turn < 2 * (stretches + threads + 1); turn++) {
-        int own = turn / 2, before = own - threads - 1;
-        if (turn % 2 == 0 && own < stretches) {
+    atomic_char taken[SCREE_SLABS] = {0}, done[SCREE_SLABS] = {0}, joined[SCREE_SLABS] = {0};
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int thread = 0; thread < threads; thread++) {
+        int first = thread * stretches / threads;
+        for (int turn = 0; turn < stretches; turn++) {
+            int own = (first + turn) % stretches;
+            if (atomic_exchange(&taken[own], 1)) continue;
             act_stretch(all, own * SCREE_STRETCH, 0);
             atomic_store(&done[own], 1);
-        } else if (turn % 2 == 1 && before > 0 && before < stretches) {
-            while (!atomic_load(&done[before - 1]) || !atomic_load(&done[before])) sched_yield();
-            act_slab(all, before * SCREE_STRETCH - 1);
+        }
+        for (int turn = 0; turn < stretches; turn++) {
+            int own = (first + turn) % stretches;
+            if (own == 0 || atomic_exchange(&joined[own], 1)) continue;
+            while (!atomic_load(&done[own - 1]) || !atomic_load(&done[own])) sched_yield();
+            act_slab(all, own * SCREE_STRETCH - 1);
         }
     }
 }
