@@ -81,22 +81,11 @@ static SCREE_INLINE void transpose_wide(wide_row r[8]) {
 }
 #endif
 
-/* The bodies of one block of contacts, as offsets in bytes into the array of spins: what processors reckon with. */
+/* The bodies of one block of contacts. */
 struct ends {
-    struct scree_record *record;
-    const struct scree_spin *spin;
-    size_t ball[SCREE_LANES], host[SCREE_LANES];
+    struct scree_record *ball[SCREE_LANES], *host[SCREE_LANES];
+    const struct scree_spin *ball_spin[SCREE_LANES], *host_spin[SCREE_LANES];
 };
-
-_Static_assert(sizeof(struct scree_record) == 4 * sizeof(struct scree_spin), "one offset leads to both");
-
-static SCREE_INLINE struct scree_record *record_at(struct scree_record *record, size_t offset) {
-    return (struct scree_record *)((char *)record + offset * 4);
-}
-
-static SCREE_INLINE const struct scree_spin *spin_at(const struct scree_spin *spin, size_t offset) {
-    return (const struct scree_spin *)((const char *)spin + offset);
-}
 
 /* Columns of one block of contacts. What one pass divides, or takes the root of, the next one works with: a processor
  * looks ahead over some sixty operations, and what waits for a root would fill them. */
@@ -189,8 +178,8 @@ static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls,
     const wide_row none = {0.0}, one = none + 1.0;
     wide_row r[8];
     for (int i = 0; i < 8; i++) {
-        wide_row ball = *(const wide_row *)record_at(ends->record, ends->ball[lane + i])->x;
-        wide_row host = *(const wide_row *)record_at(ends->record, ends->host[lane + i])->x;
+        wide_row ball = *(const wide_row *)ends->ball[lane + i]->x;
+        wide_row host = *(const wide_row *)ends->host[lane + i]->x;
         r[i] = ball - (even ? host : wide_turned(host));
     }
     transpose_wide(r);
@@ -205,10 +194,10 @@ static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls,
 static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
     wide_row r[8];
     for (int i = 0; i < 8; i++) {
-        const struct scree_spin *ball = spin_at(ends->spin, ends->ball[lane + i]);
-        const struct scree_spin *host = spin_at(ends->spin, ends->host[lane + i]);
+        const struct scree_spin *ball = ends->ball_spin[lane + i];
+        const struct scree_spin *host = ends->host_spin[lane + i];
         r[i] = wide_of(*(const scree_row *)ball->w, *(const scree_row *)host->w);
-        b->radius[lane + i] = record_at(ends->record, ends->ball[lane + i])->radius;
+        b->radius[lane + i] = ends->ball[lane + i]->radius;
     }
     transpose_wide(r);
     store_wide(r, 4, b->ball_spin, lane);
@@ -217,7 +206,7 @@ static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct b
 
 /* Of ball and partner together. */
 static SCREE_INLINE scree_row even_spin(const struct ends *ends, int lane) {
-    const double *ball = spin_at(ends->spin, ends->ball[lane])->w, *host = spin_at(ends->spin, ends->host[lane])->w;
+    const double *ball = ends->ball_spin[lane]->w, *host = ends->host_spin[lane]->w;
     return *(const scree_row *)ball + *(const scree_row *)host;
 }
 
@@ -241,12 +230,12 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
     const scree_row sign = {1.0, 1.0, 1.0, -1.0}, one = {1.0, 1.0, 1.0, 1.0};
     scree_row shift[4], rush[4], ball_spin[4], host_spin[4];
     for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = record_at(ends->record, ends->ball[lane + i]);
-        const struct scree_record *host = record_at(ends->record, ends->host[lane + i]);
+        const struct scree_record *ball = ends->ball[lane + i];
+        const struct scree_record *host = ends->host[lane + i];
         shift[i] = *(const scree_row *)ball->x - *(const scree_row *)host->x * sign;
         rush[i] = *(const scree_row *)ball->v - *(const scree_row *)host->v * sign;
-        ball_spin[i] = *(const scree_row *)spin_at(ends->spin, ends->ball[lane + i])->w;
-        host_spin[i] = *(const scree_row *)spin_at(ends->spin, ends->host[lane + i])->w;
+        ball_spin[i] = *(const scree_row *)ends->ball_spin[lane + i]->w;
+        host_spin[i] = *(const scree_row *)ends->host_spin[lane + i]->w;
         if (even) ball_spin[i] += host_spin[i];
         if (!even) b->radius[lane + i] = ball->radius;
     }
@@ -264,10 +253,10 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
 /* Processors without such rows: number by number, which compilers do better than rows in halves. */
 static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
     for (int i = lane; i < lane + WIDTH; i++) {
-        const struct scree_record *ball = record_at(ends->record, ends->ball[i]);
-        const struct scree_record *host = record_at(ends->record, ends->host[i]);
-        const struct scree_spin *ball_spin = spin_at(ends->spin, ends->ball[i]);
-        const struct scree_spin *host_spin = spin_at(ends->spin, ends->host[i]);
+        const struct scree_record *ball = ends->ball[i];
+        const struct scree_record *host = ends->host[i];
+        const struct scree_spin *ball_spin = ends->ball_spin[i];
+        const struct scree_spin *host_spin = ends->host_spin[i];
         for (int k = 0; k < 3; k++) {
             b->shift[k][i] = ball->x[k] - host->x[k];
             b->rush[k][i] = ball->v[k] - host->v[k];
@@ -288,15 +277,17 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
 /* Padding repeats the last contact. */
 static inline void find_ends(const struct scree_bodies *bodies, const struct scree_ends *contact, int count,
                              struct ends *ends) {
-    ends->record = bodies->record;
-    ends->spin = bodies->spin;
     for (int k = 0; k < count; k++) {
-        ends->ball[k] = (size_t)contact[k].ball * sizeof *bodies->spin;
-        ends->host[k] = (size_t)contact[k].host * sizeof *bodies->spin;
+        ends->ball[k] = &bodies->record[contact[k].ball];
+        ends->host[k] = &bodies->record[contact[k].host];
+        ends->ball_spin[k] = &bodies->spin[contact[k].ball];
+        ends->host_spin[k] = &bodies->spin[contact[k].host];
     }
     for (int k = count; k < padded(count); k++) {
         ends->ball[k] = ends->ball[count - 1];
         ends->host[k] = ends->host[count - 1];
+        ends->ball_spin[k] = ends->ball_spin[count - 1];
+        ends->host_spin[k] = ends->host_spin[count - 1];
     }
 }
 

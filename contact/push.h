@@ -144,7 +144,6 @@ static SCREE_INLINE void make_kicks(const struct block *b, int count, double ste
 static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block *b, int count, double step) {
     const wide_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN, 0, 0, 0, 0};
     const wide_row none = {0.0};
-    struct scree_record *record = ends->record;
     for (int lane = 0; lane < count; lane += 8) {
         wide_row n[3], r[8], force = *(const wide_row *)&b->force[lane], lever = *(const wide_row *)&b->lever[0][lane];
         for (int i = 0; i < 3; i++) {
@@ -157,8 +156,8 @@ static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block
         r[6] = lever * (n[1] * r[0] - n[0] * r[1]);
         transpose_wide(r);
         for (int i = 0; i < 8 && lane + i < count; i++) {
-            *(wide_row *)record_at(record, ends->ball[lane + i])->f += r[i];
-            *(wide_row *)record_at(record, ends->host[lane + i])->f += (wide_row)((wide_bits)r[i] ^ sign);
+            *(wide_row *)ends->ball[lane + i]->f += r[i];
+            *(wide_row *)ends->host[lane + i]->f += (wide_row)((wide_bits)r[i] ^ sign);
         }
     }
 }
@@ -178,14 +177,13 @@ static SCREE_INLINE wide_row with_lever(double lever) {
 
 static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
                                    struct kicks *kicks) {
-    struct scree_record *record = ends->record;
     for (int lane = 0; lane < count; lane += 8) {
         wide_row on_ball[8], on_host[8];
         load_kicks(kicks->impulse, kicks->turn_ball, lane, on_ball);
         if (hosts && !by_levers(deeds)) load_kicks(kicks->impulse, kicks->turn_host, lane, on_host);
         for (int i = 0; i < 8 && lane + i < count; i++) {
-            wide_row *ball = (wide_row *)record_at(record, ends->ball[lane + i])->f;
-            wide_row *host = (wide_row *)record_at(record, ends->host[lane + i])->f;
+            wide_row *ball = (wide_row *)ends->ball[lane + i]->f;
+            wide_row *host = (wide_row *)ends->host[lane + i]->f;
             if (by_levers(deeds)) {
                 *ball += on_ball[i] * with_lever(-b->lever[0][lane + i]);
                 if (hosts) *host -= on_ball[i] * with_lever(b->lever[1][lane + i]);
@@ -205,15 +203,14 @@ static SCREE_INLINE void load_kicks(double (*column)[SCREE_LANES], int lane, scr
 
 static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
                                    struct kicks *kicks) {
-    struct scree_record *record = ends->record;
     for (int lane = 0; lane < count; lane += 4) {
         scree_row impulse[4], turn_ball[4], turn_host[4];
         load_kicks(kicks->impulse, lane, impulse);
         if (deeds & TURNS) load_kicks(kicks->turn_ball, lane, turn_ball);
         if (deeds & TURNS && hosts && !by_levers(deeds)) load_kicks(kicks->turn_host, lane, turn_host);
         for (int i = 0; i < 4 && lane + i < count; i++) {
-            struct scree_record *ball = record_at(record, ends->ball[lane + i]);
-            struct scree_record *host = record_at(record, ends->host[lane + i]);
+            struct scree_record *ball = ends->ball[lane + i];
+            struct scree_record *host = ends->host[lane + i];
             *(scree_row *)ball->f += impulse[i];
             if (hosts) *(scree_row *)host->f -= impulse[i];
             if (by_levers(deeds)) {
@@ -230,8 +227,8 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
 static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
                                    struct kicks *kicks) {
     for (int lane = 0; lane < count; lane++) {
-        struct scree_record *ball = record_at(ends->record, ends->ball[lane]);
-        struct scree_record *host = record_at(ends->record, ends->host[lane]);
+        struct scree_record *ball = ends->ball[lane];
+        struct scree_record *host = ends->host[lane];
         for (int k = 0; k < 3; k++) {
             ball->f[k] += kicks->impulse[k][lane];
             if (hosts) host->f[k] -= kicks->impulse[k][lane];
