@@ -42,12 +42,12 @@ static int is_listed(const struct scree_batch *batch, const struct scree_contact
     return scree_compare_contacts(&own, contact, s) == 0;
 }
 
-/* Room for one more contact in a segment. */
+/* Room for one more contact in a segment, padding included. */
 static scree_status give_room(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               struct scree_batch *batch, int s, scree_trouble *trouble) {
     int capacity[SCREE_SEGMENTS], segments = bodies->order.slabs + 1, count = batch->segment[s].count;
-    if (count < batch->segment[s].capacity) return SCREE_OK;
-    for (int k = 0; k < segments; k++) capacity[k] = batch->segment[k].capacity;
+    if (scree_padded(count + 1) <= batch->segment[s].capacity) return SCREE_OK;
+    for (int k = 0; k < segments; k++) capacity[k] = scree_padded(batch->segment[k].capacity);
     capacity[s] = scree_padded(count + count / 16 + SCREE_PADDING);
     scree_status status = scree_lay_out(batch, segments, capacity, trouble);
     return status || batch->uniform ? status : scree_pair_constants(contacts, bodies, batch, trouble);
