@@ -154,34 +154,42 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
     }
 }
 
-/* Slabs of the stretch that begins with slab `first`, but for one that waits; `behind`: and the one that has waited for
- * the first. */
-static void act_stretch(const struct slabs *all, int first, int behind) {
+/* Slabs of the stretch that begins with slab `first`, but for that one, and for the last one, which waits for the first
+ * of the next stretch. */
+static void act_rest(const struct slabs *all, int first) {
     int slabs = all->bodies->order.slabs, next = first + SCREE_STRETCH, end = next < slabs ? next - 1 : slabs;
-    act_slab(all, first);
-    if (behind) act_slab(all, first - 1);
     for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
+}
+
+static void act_alone(const struct slabs *all) {
+    for (int first = 0; first < all->bodies->order.slabs; first += SCREE_STRETCH) {
+        act_slab(all, first);
+        if (first > 0) act_slab(all, first - 1);
+        act_rest(all, first);
+    }
 }
 
 /* By several threads: each takes the stretches of its own part first, which it had the step before, so that bodies stay
  * with it; then what others haven't begun; then, likewise, the slabs that waited. So nobody waits for a slow neighbour,
- * and what is taken last is small. */
+ * and what is taken last is small. `opened`: the first slab is through; `done`: the others too. */
 static void act_shared(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
-    atomic_char taken[SCREE_SLABS] = {0}, done[SCREE_SLABS] = {0}, joined[SCREE_SLABS] = {0};
+    atomic_char taken[SCREE_SLABS] = {0}, opened[SCREE_SLABS] = {0}, done[SCREE_SLABS] = {0}, joined[SCREE_SLABS] = {0};
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int thread = 0; thread < threads; thread++) {
         int first = thread * stretches / threads;
         for (int turn = 0; turn < stretches; turn++) {
             int own = (first + turn) % stretches;
             if (atomic_exchange(&taken[own], 1)) continue;
-            act_stretch(all, own * SCREE_STRETCH, 0);
+            act_slab(all, own * SCREE_STRETCH);
+            atomic_store(&opened[own], 1);
+            act_rest(all, own * SCREE_STRETCH);
             atomic_store(&done[own], 1);
         }
         for (int turn = 0; turn < stretches; turn++) {
             int own = (first + turn) % stretches;
             if (own == 0 || atomic_exchange(&joined[own], 1)) continue;
-            while (!atomic_load(&done[own - 1]) || !atomic_load(&done[own])) sched_yield();
+            while (!atomic_load(&done[own - 1]) || !atomic_load(&opened[own])) sched_yield();
             act_slab(all, own * SCREE_STRETCH - 1);
         }
     }
@@ -191,8 +199,7 @@ static void act_slabs(const struct slabs *all, int threads) {
     if (threads > 1)
         act_shared(all, threads);
     else
-        for (int first = 0; first < all->bodies->order.slabs; first += SCREE_STRETCH)
-            act_stretch(all, first, first > 0);
+        act_alone(all);
     add_tallies(all->contacts, all->bodies);
 }
 
