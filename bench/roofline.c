@@ -44,7 +44,7 @@ struct bench_work bench_contact_work(const scree_scene *scene, const char *laws,
     for (int m = 0; m < SCREE_MEMORY; m++)
         if (batch->kept[m]) both += sizeof(double);
     double records = fmin(1.0 / contacts, 2.0); /* its share of those that are gone through */
-    work.bytes = (double)(read + 2 * both) + 2.0 * records * sizeof *bodies->record;
+    work.bytes = (double)(read + 2 * both) + 2.0 * records * (sizeof *bodies->record + sizeof *bodies->spin);
     return work;
 }
 
