@@ -77,8 +77,7 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
     clear_loads(record);
     /* A plane turns about its normal only, so its turning moves no surface. */
     double reach = scree_kind_of(bodies, index)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
-    double way =
-        vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(vec_from(bodies->spin[index].w)) * reach;
+    double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(scree_spin_of(bodies, index)) * reach;
     return scree_outgrown(&bodies->path[index], way, margin);
 }
 

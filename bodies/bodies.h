@@ -22,14 +22,15 @@
 
 /* What the contact loop reads (x, v and the spin: half a step ahead) and adds to (f, t). The fourth lane of each row is
  * free in a record of doubles fit for four-wide loads, and carries what contacts need besides. Two rows that are used
- * together fill a line of the cache: one that lies across two lines takes twice as long to be added to. So the spin,
- * the odd row, has an array of its own. */
+ * together fill a line of the cache, and never lie across two: so the spin, the odd row, has an array of its own. */
 struct scree_record {
     double x[3], radius;         /* centre, m; radius of the ball at the centre or at each corner, m */
     double v[3], inverse_mass;   /* m/s; 1/kg, 0 if forces can't move the centre */
     double f[3], inverse_moment; /* impulse of the step, N s; of a ball 1/(kg m^2) */
     double t[3], bound;          /* angular impulse of the step, N m s; radius about the centre, m */
 };
+
+_Static_assert(sizeof(struct scree_record) == 2 * 64, "two lines of the cache");
 
 struct scree_spin {
     double w[3], limit; /* rad/s; largest tolerable overlap, m */
@@ -135,6 +136,7 @@ struct scree_bodies {
     double low[3], period[3]; /* where the box begins and after what length all repeats, m; 0: never */
 };
 
+/* The spin of a body as contacts see it, half a step ahead, rad/s. */
 static inline struct vec scree_spin_of(const struct scree_bodies *bodies, int index) {
     return vec_from(bodies->spin[index].w);
 }

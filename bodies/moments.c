@@ -96,7 +96,7 @@ static void know(const struct scree_bodies *bodies, const struct scree_bodies *n
     }
     if (scree_kind_of(bodies, index)->slot < 0 || joint->turn == SCREE_FIXED) return;
     const struct scree_attitude *attitude = scree_attitude_of(now, index);
-    struct vec spin = vec_from(now->spin[index].w), turn = {0.0, 0.0, 0.0};
+    struct vec spin = scree_spin_of(now, index), turn = {0.0, 0.0, 0.0};
     if (joint->turn == SCREE_DRIVEN) {
         struct vec later = vec_scale(bodies->moved[joint->turn_motion].velocity, vec_from(attitude->axis));
         turn = vec_scale(1.0 / step, vec_sub(later, spin));
@@ -114,7 +114,7 @@ static double range_of(const struct scree_bodies *bodies, const struct scree_bod
     const struct scree_record *record = &now->record[index];
     const struct scree_inertia *inertia = &scree_kind_of(bodies, index)->inertia;
     const double *inverse = inertia->inverse_moments;
-    double spin = vec_norm(vec_from(now->spin[index].w)), mass = 0.0;
+    double spin = vec_norm(scree_spin_of(now, index)), mass = 0.0;
     double turn = fmax(inverse[0], fmax(inverse[1], inverse[2]));
     if (scree_kind_of(bodies, index)->slot >= 0) turn = fmax(turn, scree_attitude_of(bodies, index)->inverse_hinge);
     for (int k = 0; k < 3; k++) mass = fmax(mass, inertia->inverse_mass[k]);

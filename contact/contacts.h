@@ -3,6 +3,7 @@
  *
  *   candidates   pairs of bodies that may touch before the list is made anew (candidates.c)
  *   list         their contacts within reach, one batch per geometry and pair of materials (list.c)
+ *   near         those of them that may touch soon: of all bodies (near.c), of one that asks for itself (widen.c)
  *   loop         blocks of contacts through short passes; impulses into the bodies (loop.c)
  *
  * A contact is a ball (a sphere, or the corner of a rounded box) on a partner: another ball, a plane, a rectangle

@@ -340,7 +340,7 @@ static void limit_margins(struct scree_contacts *contacts, const struct scree_bo
 static double way_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
     const struct scree_record *record = &bodies->record[k];
     double lever = scree_kind_of(bodies, k)->slot < 0 ? 0.0 : record->bound;
-    return contacts->step * (speed_of(contacts, bodies, k) + vec_norm(vec_from(bodies->spin[k].w)) * lever);
+    return contacts->step * (speed_of(contacts, bodies, k) + vec_norm(scree_spin_of(bodies, k)) * lever);
 }
 
 /* Before an outer list: all that its bodies may go until the next one is half the skin, path 0. Where bodies are many,

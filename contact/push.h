@@ -182,8 +182,7 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
         load_kicks(kicks->impulse, kicks->turn_ball, lane, on_ball);
         if (hosts && !by_levers(deeds)) load_kicks(kicks->impulse, kicks->turn_host, lane, on_host);
         for (int i = 0; i < 8 && lane + i < count; i++) {
-            wide_row *ball = (wide_row *)ends->ball[lane + i]->f;
-            wide_row *host = (wide_row *)ends->host[lane + i]->f;
+            wide_row *ball = (wide_row *)ends->ball[lane + i]->f, *host = (wide_row *)ends->host[lane + i]->f;
             if (by_levers(deeds)) {
                 *ball += on_ball[i] * with_lever(-b->lever[0][lane + i]);
                 if (hosts) *host -= on_ball[i] * with_lever(b->lever[1][lane + i]);
@@ -209,8 +208,7 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
         if (deeds & TURNS) load_kicks(kicks->turn_ball, lane, turn_ball);
         if (deeds & TURNS && hosts && !by_levers(deeds)) load_kicks(kicks->turn_host, lane, turn_host);
         for (int i = 0; i < 4 && lane + i < count; i++) {
-            struct scree_record *ball = ends->ball[lane + i];
-            struct scree_record *host = ends->host[lane + i];
+            struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
             *(scree_row *)ball->f += impulse[i];
             if (hosts) *(scree_row *)host->f -= impulse[i];
             if (by_levers(deeds)) {
@@ -227,8 +225,7 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
 static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *b, int count, int hosts, int deeds,
                                    struct kicks *kicks) {
     for (int lane = 0; lane < count; lane++) {
-        struct scree_record *ball = ends->ball[lane];
-        struct scree_record *host = ends->host[lane];
+        struct scree_record *ball = ends->ball[lane], *host = ends->host[lane];
         for (int k = 0; k < 3; k++) {
             ball->f[k] += kicks->impulse[k][lane];
             if (hosts) host->f[k] -= kicks->impulse[k][lane];

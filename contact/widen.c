@@ -8,7 +8,7 @@ int scree_contacts_asking(const struct scree_contacts *contacts, const struct sc
                           int asking[SCREE_ASKING]) {
     enum { BLOCK = 64 }; /* looked over at once */
     int count = 0;
-    if (contacts->broken || scree_flights_over(contacts)) return 0;
+    if (contacts->broken || scree_flights_over(contacts) || contacts->answers == contacts->enough) return 0;
     for (int from = 0; from < bodies->count; from += BLOCK) {
         int to = bodies->count - from < BLOCK ? bodies->count : from + BLOCK, some = 0;
         for (int k = from; k < to; k++) some |= !(bodies->path[k] <= 0.5 * contacts->skin);
