@@ -140,12 +140,43 @@ static SCREE_INLINE void make_kicks(const struct block *b, int count, double ste
 /* Add the kicks of a block to its bodies. `hosts`: partners are pushed too; else they are frozen, and several slabs
  * have them in common. */
 #if defined __AVX512F__
+/* The bodies of some contacts by their places, and where their sums begin: with what is in memory, or with nothing
+ * where the contact before was one of the same body, so that its sum is at hand. Contacts of a body follow each other
+ * where it comes first, and would wait for each other's stores. (With rows of four it doesn't pay.) */
+struct pairs {
+    _Alignas(64) struct scree_record *first[WIDTH], *other[WIDTH];
+    const struct scree_record *from[WIDTH];
+    long long again[WIDTH]; /* all bits: the sum is at hand; or none */
+};
+
+_Static_assert(sizeof(struct scree_record *) == sizeof(long long), "addresses are worked out in columns of numbers");
+
+/* `before`: the first bodies of the contacts before. Returns the sign of those whose ball doesn't come first: there
+ * the impulse on the first body is the other one. */
+static SCREE_INLINE wide_bits pair_up(const struct ends *ends, int lane, wide_bits *before, struct pairs *pairs) {
+    static const struct scree_record nothing = {.radius = 0.0};
+    const wide_bits none = (wide_bits){0} + (long long)(uintptr_t)&nothing;
+    wide_bits ball = *(const wide_bits *)&ends->ball[lane], host = *(const wide_bits *)&ends->host[lane];
+    wide_bits turned = ball > host, swap = (ball ^ host) & turned, first = ball ^ swap;
+    wide_bits again = first == __builtin_shufflevector(*before, first, 7, 8, 9, 10, 11, 12, 13, 14);
+    *before = first;
+    *(wide_bits *)pairs->first = first;
+    *(wide_bits *)pairs->other = host ^ swap;
+    *(wide_bits *)pairs->from = first ^ ((first ^ none) & again);
+    *(wide_bits *)pairs->again = again;
+    return turned & INT64_MIN;
+}
+
 /* Two balls that turn by the same lever: in one go from columns to bodies. */
 static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block *b, int count, double step) {
     const wide_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN, 0, 0, 0, 0};
     const wide_row none = {0.0};
-    for (int lane = 0; lane < count; lane += 8) {
+    struct pairs pairs;
+    wide_bits before = {0};
+    wide_row sum = none;
+    for (int lane = 0; lane < count; lane += WIDTH) {
         wide_row n[3], r[8], force = *(const wide_row *)&b->force[lane], lever = *(const wide_row *)&b->lever[0][lane];
+        wide_bits turned = pair_up(ends, lane, &before, &pairs);
         for (int i = 0; i < 3; i++) {
             n[i] = *(const wide_row *)&b->n[i][lane];
             r[i] = (none + step) * (force * n[i] + *(const wide_row *)&b->friction[i][lane]);
@@ -154,10 +185,12 @@ static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block
         r[4] = lever * (n[2] * r[1] - n[1] * r[2]);
         r[5] = lever * (n[0] * r[2] - n[2] * r[0]);
         r[6] = lever * (n[1] * r[0] - n[0] * r[1]);
+        for (int i = 0; i < 3; i++) r[i] = (wide_row)((wide_bits)r[i] ^ turned);
         transpose_wide(r);
-        for (int i = 0; i < 8 && lane + i < count; i++) {
-            *(wide_row *)ends->ball[lane + i]->f += r[i];
-            *(wide_row *)ends->host[lane + i]->f += (wide_row)((wide_bits)r[i] ^ sign);
+        for (int i = 0; i < WIDTH && lane + i < count; i++) {
+            sum = (wide_row)(((wide_bits)sum & pairs.again[i]) | *(const wide_bits *)pairs.from[i]->f) + r[i];
+            *(wide_row *)pairs.first[i]->f = sum;
+            *(wide_row *)pairs.other[i]->f += (wide_row)((wide_bits)r[i] ^ sign);
         }
     }
 }
