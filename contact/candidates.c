@@ -12,10 +12,16 @@
 
 enum { LEVELS = 64 };
 
-/* A body in its column of cells, one above the other along z; columns go by a key. */
+/* Where bodies are is told in parts of a cell, by sixteen bits: over and over after ROUND parts. */
+enum { PARTS = 2048, ROUND = 65536 };
+
+/* A body in its column of cells, one above the other along z; columns go by a key. Where it is in the periodic box and
+ * within what range it is looked for are there in rough, so that whoever looks into the cell needn't go to the body
+ * itself unless it may be near. */
 struct occupant {
     uint32_t column;
     int body;
+    uint16_t at[3], range;
 };
 
 /* The finest grid's cell, and which grids hold bodies; the grid of each body. A column's key tells the place of its
@@ -34,6 +40,11 @@ struct grids {
 /* Radius within which a body is looked for, and looks for others, half of the skin and its flight included. */
 static double reach_of(const struct scree_contacts *contacts, const struct scree_record *record) {
     return record->bound + 0.5 * contacts->skin + contacts->flights.sweep;
+}
+
+/* The same of what the body may go yet: two whose ranges don't meet can't come together. */
+static double range_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
+    return bodies->record[k].bound + (0.5 * contacts->skin - bodies->path[k]) + contacts->flights.sweep;
 }
 
 static int is_bounded(const struct scree_bodies *bodies, int k) {
@@ -104,35 +115,59 @@ static uint32_t place_in(const struct grids *grids, uint32_t column, double z) {
     return (column + (uint32_t)(int64_t)z) & (grids->places - 1);
 }
 
-static void cell_at(const struct scree_bodies *bodies, const struct grids *grids, int k, double cell[3]) {
-    double size = cell_size(grids, grids->level[k]);
-    for (int axis = 0; axis < 3; axis++) cell[axis] = cell_of(in_box(bodies, bodies->record[k].x[axis], axis), size);
+/* A place in parts of cells of some size, rounded down. */
+static void find_parts(const double at[3], double size, uint16_t parts[3]) {
+    for (int axis = 0; axis < 3; axis++) {
+        double share = at[axis] / size, within = share - floor(share);
+        int part = within > 0.0 ? (int)(within * PARTS) : 0; /* NaN: beyond all cells */
+        parts[axis] = (uint16_t)((int64_t)cell_of(at[axis], size) * PARTS + part);
+    }
 }
 
-/* The column of body k, and the place of its cell. */
-static uint32_t column_at(const struct scree_bodies *bodies, const struct grids *grids, int k, uint32_t *place) {
+/* And a range, rounded up: by one part more, so that the rounding of places, less than a part along each axis, is
+ * covered by two of them. From ROUND - 1 on it is all there is. */
+static double parts_of(double range, double size) {
+    return fmax(fmin(ceil(range / size * PARTS) + 1.0, ROUND - 1.0), 0.0);
+}
+
+/* Where body k is in the periodic box, and its cell there. */
+static void cell_at(const struct scree_bodies *bodies, const struct grids *grids, int k, double at[3], double cell[3]) {
+    double size = cell_size(grids, grids->level[k]);
+    for (int axis = 0; axis < 3; axis++) {
+        at[axis] = in_box(bodies, bodies->record[k].x[axis], axis);
+        cell[axis] = cell_of(at[axis], size);
+    }
+}
+
+/* The column of body k, the place of its cell, and where it is in the box. */
+static uint32_t column_at(const struct scree_bodies *bodies, const struct grids *grids, int k, double at[3],
+                          uint32_t *place) {
     double cell[3];
-    cell_at(bodies, grids, k, cell);
+    cell_at(bodies, grids, k, at, cell);
     uint32_t column = column_of(mix(key_of_level(grids->level[k]), cell[0]), cell[1]);
     *place = place_in(grids, column, cell[2]);
     return column;
 }
 
 /* By place, and there by number: a count of each place gives its start. */
-static void fill_cells(const struct scree_bodies *bodies, struct grids *grids) {
+static void fill_cells(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct grids *grids) {
     int *start = grids->start;
     uint32_t place;
+    double at[3];
     memset(start, 0, ((size_t)grids->places + 2) * sizeof *start);
     for (int k = 0; k < bodies->count; k++) {
         if (!is_bounded(bodies, k)) continue;
-        column_at(bodies, grids, k, &place);
+        column_at(bodies, grids, k, at, &place);
         start[place + 2]++;
     }
     for (size_t p = 0; p < grids->places; p++) start[p + 2] += start[p + 1];
     for (int k = 0; k < bodies->count; k++) {
         if (!is_bounded(bodies, k)) continue;
-        uint32_t column = column_at(bodies, grids, k, &place);
-        grids->occupant[start[place + 1]++] = (struct occupant){column, k}; /* so each start becomes an end */
+        uint32_t column = column_at(bodies, grids, k, at, &place);
+        struct occupant *one = &grids->occupant[start[place + 1]++]; /* so each start becomes an end */
+        double size = cell_size(grids, grids->level[k]);
+        *one = (struct occupant){column, k, {0}, (uint16_t)parts_of(range_of(contacts, bodies, k), size)};
+        find_parts(at, size, one->at);
     }
 }
 
@@ -166,8 +201,10 @@ struct seeker {
     const struct scree_bodies *bodies;
     const struct grids *grids;
     struct scree_found *found;
-    int *number; /* found by this part */
-    int last;    /* for whom something was found last */
+    int *number;    /* found by this part */
+    int last;       /* for whom something was found last */
+    uint16_t at[3]; /* where the one that looks stands for the cells that it looks into, */
+    int range;      /* and how far it looks, in their parts */
     int count, seen[SEEN];
 };
 
@@ -196,6 +233,21 @@ static void weigh(struct seeker *s, int k) {
     s->count = 0;
 }
 
+static void stand_at(struct seeker *s, const double at[3], double range, double size) {
+    find_parts(at, size, s->at);
+    s->range = (int)parts_of(range, size);
+}
+
+/* As far as can be told in rough. Ways round are the shorter ones, so nobody near seems far. */
+static inline int may_meet(const struct seeker *s, const struct occupant *other) {
+    int64_t square = 0, reach = s->range + other->range;
+    for (int axis = 0; axis < 3; axis++) {
+        int64_t way = (int16_t)(uint16_t)(other->at[axis] - s->at[axis]);
+        square += way * way;
+    }
+    return square <= reach * reach;
+}
+
 /* Partners of body k in so many cells of a column from `z` on; `after`: only those of higher number, in its own cell,
  * so that each pair is found once. */
 static void look_into(struct seeker *s, int k, uint32_t column, double z, double cells, int after) {
@@ -204,10 +256,11 @@ static void look_into(struct seeker *s, int k, uint32_t column, double z, double
     while (left > 0) { /* twice where the places are at an end */
         uint32_t run = left < grids->places - place ? left : grids->places - place;
         for (int n = grids->start[place]; n < grids->start[place + run]; n++) {
-            int other = grids->occupant[n].body;
+            const struct occupant *other = &grids->occupant[n];
+            int own = (other->body == k) | (after & (other->body < k));
             if (s->count == SEEN) weigh(s, k);
-            s->seen[s->count] = other;
-            s->count += (grids->occupant[n].column == column) & (other != k) & !(after & (other < k));
+            s->seen[s->count] = other->body;
+            s->count += (other->column == column) & !own & may_meet(s, other);
         }
         left -= run;
         place = 0;
@@ -217,8 +270,9 @@ static void look_into(struct seeker *s, int k, uint32_t column, double z, double
 /* Partners of body k in its own grid: whatever it can meet is in its cell or in one next to that, and half of these are
  * enough, since the other half look from there. */
 static void look_beside(struct seeker *s, int k) {
-    double own[3];
-    cell_at(s->bodies, s->grids, k, own);
+    double own[3], at[3];
+    cell_at(s->bodies, s->grids, k, at, own);
+    stand_at(s, at, range_of(s->contacts, s->bodies, k), cell_size(s->grids, s->grids->level[k]));
     uint64_t level = key_of_level(s->grids->level[k]), same = mix(level, own[0]), next = mix(level, own[0] + 1.0);
     look_into(s, k, column_of(same, own[1]), own[2], 1.0, 1);
     look_into(s, k, column_of(same, own[1]), own[2] + 1.0, 1.0, 0);
@@ -230,6 +284,7 @@ static void look_beside(struct seeker *s, int k) {
  * largest reach. */
 static void look_about(struct seeker *s, int k, int level, const double at[3], double far, double size, int after) {
     double low[3], high[3];
+    stand_at(s, at, range_of(s->contacts, s->bodies, k), size);
     for (int axis = 0; axis < 3; axis++) {
         low[axis] = cell_of(at[axis] - far, size);
         high[axis] = cell_of(at[axis] + far, size);
@@ -359,7 +414,7 @@ static int search(struct scree_contacts *contacts, const struct scree_bodies *bo
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
-        struct seeker seeker = {contacts, bodies, grids, found, found_in(contacts, part), -1, 0, {0}};
+        struct seeker seeker = {contacts, bodies, grids, found, found_in(contacts, part), -1, {0}, 0, 0, {0}};
         long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
         found->count = found->partners = 0;
         for (int k = (int)from; k < to; k++)
@@ -389,7 +444,7 @@ scree_status scree_candidates(struct scree_contacts *contacts, const struct scre
     scree_status status = make_grids(contacts, (size_t)bodies->count, &grids, trouble);
     if (status) return status;
     choose_levels(contacts, bodies, &grids);
-    fill_cells(bodies, &grids);
+    fill_cells(contacts, bodies, &grids);
     contacts->planes = 0;
     for (int k = 0; k < bodies->count; k++)
         if (!is_bounded(bodies, k)) contacts->plane[contacts->planes++] = k;
