@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FEW = 1024, PER_SLAB = 128 }; /* below so many members bodies aren't sorted; members of a slab at least */
+enum { FEW = 16, PER_SLAB = 128 }; /* below so many members bodies aren't sorted; members of a slab at least */
 
 /* Slabs are some layers thick, so that few partners lie in the next one: the others lie in the next row, and are at
  * hand still when their turn comes. But so many slabs at least, for threads to share, if they can be had. */

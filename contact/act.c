@@ -196,7 +196,7 @@ static void act_shared(const struct slabs *all, int threads) {
 }
 
 static void act_slabs(const struct slabs *all, int threads) {
-    if (threads > 1)
+    if (threads > 1 && all->bodies->order.slabs > SCREE_STRETCH)
         act_shared(all, threads);
     else
         act_alone(all);
