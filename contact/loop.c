@@ -118,7 +118,7 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 /* Bodies lie in the order in which contacts come to them, so that a scene goes through the cache once a step: from
  * AHEAD bodies before they are needed. Into the second cache: the first has few places for what is on its way. Partners
  * that lie farther (of the next slab) are asked for by themselves. Fewer than MANY bodies stay in the caches. */
-enum { AHEAD = 192, BLOCKS_AHEAD = 3, MANY = 32768 };
+enum { AHEAD = 192, BLOCKS_AHEAD = 3, MANY = 16384 };
 
 /* Inlined: a function that does nothing but ask is none to a compiler that looks for effects. */
 static SCREE_INLINE void call(const void *array, size_t from, size_t to) {
