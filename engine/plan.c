@@ -248,11 +248,16 @@ static scree_status plan_pairs_and_step(struct scree_scene *scene) {
     return status;
 }
 
-/* What the pair-impulse method needs before the first list. */
+/* What the pair-impulse method needs before the first list; */
 static scree_status keep_impulses(struct scree_scene *scene) {
-    scree_status status = scree_bodies_keep_past(&scene->bodies, &scene->trouble);
-    if (!status) status = scree_scene_look_now(scene);
     scree_contacts_keep_impulses(&scene->contacts, scene->time.substeps);
+    return scree_bodies_keep_past(&scene->bodies, &scene->trouble);
+}
+
+/* and after it, when bodies have their places. */
+static scree_status begin_impulses(struct scree_scene *scene) {
+    scree_status status = scree_scene_look_now(scene);
+    if (!status) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
     return status;
 }
 
@@ -329,7 +334,7 @@ static scree_status bake(struct scree_scene *scene) {
     status = check_period(scene);
     if (!status) status = scree_contacts_sort(&scene->contacts, &scene->bodies, 1, &scene->trouble);
     if (!status) status = check_start_overlaps(scene);
-    if (!status && impulses) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
+    if (!status && impulses) status = begin_impulses(scene);
     if (!status && !impulses && !scene->adaptive) scree_contacts_begin(&scene->contacts, &scene->bodies, scene->step);
     if (status || !scene->time.energy) return status;
     scree_energy energy;
