@@ -195,6 +195,7 @@ static void act_shared(const struct slabs *all, int threads) {
     }
 }
 
+/* One stretch has nothing to share. */
 static void act_slabs(const struct slabs *all, int threads) {
     if (threads > 1 && all->bodies->order.slabs > SCREE_STRETCH)
         act_shared(all, threads);

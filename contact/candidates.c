@@ -117,11 +117,7 @@ static uint32_t place_in(const struct grids *grids, uint32_t column, double z) {
 
 /* A place in parts of cells of some size, rounded down. */
 static void find_parts(const double at[3], double size, uint16_t parts[3]) {
-    for (int axis = 0; axis < 3; axis++) {
-        double share = at[axis] / size, within = share - floor(share);
-        int part = within > 0.0 ? (int)(within * PARTS) : 0; /* NaN: beyond all cells */
-        parts[axis] = (uint16_t)((int64_t)cell_of(at[axis], size) * PARTS + part);
-    }
+    for (int axis = 0; axis < 3; axis++) parts[axis] = (uint16_t)(int64_t)cell_of(at[axis], size / PARTS);
 }
 
 /* And a range, rounded up: by one part more, so that the rounding of places, less than a part along each axis, is

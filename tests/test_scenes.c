@@ -500,7 +500,7 @@ static void test_periodic_shift(void) {
                          *other = scene[1]->bodies.state[scene[1]->bodies.place[k]].v;
             for (int axis = 0; axis < 3; axis++) worst = fmax(worst, fabs(v[axis] - other[axis]));
         }
-        CHECK(seen > 50);
+        CHECK(seen > 50); /* lists hold what is near at the moment: an image or so a look */
         /* Rounding of places (1e-17 m) grows by some 10 for each impact, of which a ball has three or four. */
         CHECK(worst < 1e-9);
         scree_scene_destroy(scene[0]);
