@@ -223,6 +223,15 @@ static inline void scree_keep(const struct scree_batch *batch, int m, int k, dou
     if (batch->kept[m]) batch->kept[m][k] = value;
 }
 
+/* Whether contact k is any other than one that is new. */
+static inline int scree_keeps_something(const struct scree_batch *batch, int k) {
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        if (scree_kept(batch, m, k) != 0.0) return 1;
+    for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
+        if (batch->past[m][k] != 0.0) return 1;
+    return 0;
+}
+
 /* Pair constant c of contact k. */
 static inline double scree_pair(const struct scree_batch *batch, int c, int k) {
     return batch->pair[c][batch->uniform ? 0 : k];

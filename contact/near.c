@@ -19,14 +19,6 @@ struct scree_scratch {
     int capacity;
 };
 
-static int keeps_something(const struct scree_batch *batch, int k) {
-    for (int m = 0; m < SCREE_MEMORY; m++)
-        if (scree_kept(batch, m, k) != 0.0) return 1;
-    for (int m = 0; batch->impulses && m < SCREE_PAST; m++)
-        if (batch->past[m][k] != 0.0) return 1;
-    return 0;
-}
-
 /* What was seen of the two boxes looked at last: how deep their cores are in each other; of edges the near ones, by
  * rising codes, and the first of them that hasn't been asked for. */
 struct sight {
@@ -160,7 +152,7 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
         int order = -1;
         while (before < segment->count && (order = compare_with(batch, segment->first + before, &one, s)) < 0) before++;
         int same = before < segment->count && order == 0;
-        if (same & !near) near = keeps_something(batch, segment->first + before);
+        if (same & !near) near = scree_keeps_something(batch, segment->first + before);
         scratch->contact[count] = one; /* counts if it is near */
         scratch->from[count] = same ? before : -1;
         count += near;

@@ -207,17 +207,31 @@ static scree_status compare(scree_scene *scene, const struct prints *stored, con
 
 static int remembers(const struct scree_batch *batch) { return batch->memory || batch->impulses; }
 
+/* Only what is kept: which contacts are listed besides is a matter of when lists were made. */
+static int next_memory(const struct scree_batch *batch, int k) {
+    while (k >= 0 && !scree_keeps_something(batch, k)) k = scree_next(batch, k);
+    return k;
+}
+
+static int first_memory(const struct scree_batch *batch) {
+    return remembers(batch) ? next_memory(batch, scree_first(batch)) : -1;
+}
+
+static int memory_after(const struct scree_batch *batch, int k) { return next_memory(batch, scree_next(batch, k)); }
+
 static long count_memories(const scree_scene *scene) {
     long count = 0;
-    for (int b = 0; b < scene->contacts.batches; b++)
-        if (remembers(&scene->contacts.batch[b])) count += scene->contacts.batch[b].count;
+    for (int b = 0; b < scene->contacts.batches; b++) {
+        const struct scree_batch *batch = &scene->contacts.batch[b];
+        for (int k = first_memory(batch); k >= 0; k = memory_after(batch, k)) count++;
+    }
     return count;
 }
 
 static void put_memories(struct stream *s, const scree_scene *scene) {
     for (int b = 0; b < scene->contacts.batches; b++) {
         const struct scree_batch *batch = &scene->contacts.batch[b];
-        for (int k = remembers(batch) ? scree_first(batch) : -1; k >= 0; k = scree_next(batch, k)) {
+        for (int k = first_memory(batch); k >= 0; k = memory_after(batch, k)) {
             struct memory memory;
             memset(&memory, 0, sizeof memory);
             memory.contact = scree_contact_at(batch, k);
@@ -404,7 +418,7 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
         memcpy(bodies->state[k].l, part[k].l, sizeof part[k].l);
         if (scree_kind_of(bodies, k)->slot >= 0) memcpy(scree_attitude_of(bodies, k)->q, part[k].q, sizeof part[k].q);
     }
-    scree_bodies_start(bodies, scree_scene_time(scene));
+    scree_bodies_look_now(bodies, scree_scene_time(scene), bodies); /* driven ones too are where they were, to the bit */
     scree_status status = remember(scene, memory, memories);
     for (int k = 0; k < bodies->count; k++) {
         memcpy(bodies->record[k].f, part[k].f, sizeof part[k].f);
