@@ -22,41 +22,61 @@ static double nothing(const struct scree_scene *scene, const struct scree_grip *
 
 /* ---- switch functions ---- */
 
-/* Views a little sooner and later along the motion. Returns the time between them, 0 if there is none. */
-static double look_around(struct scree_scene *scene, const double *y, const double *rates) {
+/* Views a little sooner and later along the motion: at y -+ shift x rates, but for the clock where that is to stay. */
+static void look_along(struct scree_scene *scene, const double *y, const double *rates, double shift, int clock_stays) {
     struct scree_adaptive *a = scene->adaptive;
-    double little = HUGE_VAL, *elsewhere = a->work.stage;
-    int needed = 0;
-    for (int k = 0; k < a->grips; k++) {
-        const struct scree_grip *grip = &a->grip[k];
-        if (!scree_grip_needs_rates(grip)) continue;
-        needed = 1;
-        little = fmin(little, 1e-5 * grip->depth / grip->speed);
-    }
-    if (!needed) return 0.0;
-    if (a->clock >= 0 && !(fabs(rates[Y_TIME]) > 0.0)) return 0.0;
-    double by = little / rates[Y_TIME];
-    if (a->clock >= 0) by = copysign(fmin(fabs(by), 1e-5 * y[Y_CLOCK]), by);
+    double *elsewhere = a->work.stage;
     struct scree_grip_view *now = a->view;
     for (int side = 0; side < 2; side++) {
-        double shift = side ? by : -by;
-        for (size_t i = 0; i < a->work.size; i++) elsewhere[i] = y[i] + shift * rates[i];
+        for (size_t i = 0; i < a->work.size; i++) elsewhere[i] = y[i] + (side ? shift : -shift) * rates[i];
+        if (clock_stays) elsewhere[Y_CLOCK] = y[Y_CLOCK];
         a->view = side ? a->later : a->sooner;
         scree_adaptive_rates(scene, elsewhere, a->work.end);
     }
     a->view = now;
     scree_adaptive_place(scene, y);
-    return 2.0 * by * rates[Y_TIME];
+}
+
+/* How far apart in time the views around are: of the contact whose root is the clock, and of the others; 0: there are
+ * none. */
+struct apart {
+    double own, others;
+};
+
+/* Near the begin or the end of its contact the clock hardly moves: differences over so little time tell its own contact
+ * enough, whose overlap it is to all digits, but of the others nothing but rounding. */
+static struct apart look_around(struct scree_scene *scene, const double *y, const double *rates) {
+    struct scree_adaptive *a = scene->adaptive;
+    double little = HUGE_VAL;
+    int others = 0;
+    for (int k = 0; k < a->grips; k++) {
+        const struct scree_grip *grip = &a->grip[k];
+        if (!scree_grip_needs_rates(grip)) continue;
+        little = fmin(little, 1e-5 * grip->depth / grip->speed);
+        others |= k != a->clock;
+    }
+    if (little == HUGE_VAL || (a->clock >= 0 && !(fabs(rates[Y_TIME]) > 0.0))) return (struct apart){0.0, 0.0};
+    double by = little / rates[Y_TIME], most = 1e-5 * y[Y_CLOCK];
+    int slow = a->clock >= 0 && fabs(by) > most;
+    double own = slow ? copysign(most, by) : by, time = 2.0 * own * rates[Y_TIME];
+    look_along(scene, y, rates, own, 0);
+    if (!slow || !others) return (struct apart){time, time};
+    struct scree_grip_view sooner = a->sooner[a->clock], later = a->later[a->clock];
+    look_along(scene, y, rates, by, 1);
+    a->sooner[a->clock] = sooner;
+    a->later[a->clock] = later;
+    return (struct apart){time, 2.0 * little};
 }
 
 void scree_adaptive_switches(struct scree_scene *scene, const double *y, const double *rates,
                              double (*value)[SCREE_SWITCHES]) {
     struct scree_adaptive *a = scene->adaptive;
-    double apart = look_around(scene, y, rates);
+    struct apart apart = look_around(scene, y, rates);
     for (int k = 0; k < a->grips; k++) {
-        int around = apart > 0.0;
-        scree_grip_switches(&a->grip[k], &a->view[k], around ? &a->sooner[k] : NULL, around ? &a->later[k] : NULL,
-                            apart, value[k]);
+        double own = k == a->clock ? apart.own : apart.others;
+        int around = own > 0.0;
+        scree_grip_switches(&a->grip[k], &a->view[k], around ? &a->sooner[k] : NULL, around ? &a->later[k] : NULL, own,
+                            value[k]);
     }
 }
 

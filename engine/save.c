@@ -418,7 +418,7 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
         memcpy(bodies->state[k].l, part[k].l, sizeof part[k].l);
         if (scree_kind_of(bodies, k)->slot >= 0) memcpy(scree_attitude_of(bodies, k)->q, part[k].q, sizeof part[k].q);
     }
-    scree_bodies_look_now(bodies, scree_scene_time(scene), bodies); /* driven ones too are where they were, to the bit */
+    scree_bodies_look_now(bodies, scree_scene_time(scene), bodies); /* driven ones too are as saved */
     scree_status status = remember(scene, memory, memories);
     for (int k = 0; k < bodies->count; k++) {
         memcpy(bodies->record[k].f, part[k].f, sizeof part[k].f);
