@@ -518,9 +518,11 @@ static inline int gather(const struct scree_bodies *bodies, const struct scree_c
 
 /* ---- edges on edges ---- */
 
-/* What they do besides pushing at the middle of their overlap, per newton of the normal force. */
+/* What they do besides pushing at the middle of their overlap, per newton of the normal force; and what they close in
+ * faster than laws are told, m/s. */
 struct lean {
     double force[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
+    double untold[SCREE_LANES];
 };
 
 /* What can't touch, or is padding. */
@@ -530,7 +532,7 @@ static inline void gather_nothing(struct block *b, int lane, struct lean *lean) 
     put(b->arm, lane, zero);
     put(b->slip, lane, zero);
     b->overlap[lane] = SCREE_OUTSIDE;
-    b->touching[lane] = b->share[lane] = b->closing[lane] = 0.0;
+    b->touching[lane] = b->share[lane] = b->closing[lane] = lean->untold[lane] = 0.0;
     put(lean->force, lane, zero);
     put(lean->turn_ball, lane, zero);
     put(lean->turn_host, lane, zero);
@@ -548,6 +550,7 @@ static inline void gather_crossing(const struct scree_bodies *bodies, const stru
     b->overlap[lane] = c.meeting.overlap;
     b->touching[lane] = b->share[lane] = c.meeting.overlap > 0.0 ? 1.0 : 0.0;
     b->closing[lane] = gait.closing;
+    lean->untold[lane] = gait.untold;
     put(lean->force, lane, vec_sub(c.force, n));
     put(lean->turn_ball, lane, vec_sub(c.turn_a, vec_cross(c.point, n)));
     put(lean->turn_host, lane, vec_add(c.turn_b, vec_cross(host_arm, n)));

@@ -28,8 +28,8 @@ struct side {
     struct vec arm; /* from its centre to the contact, m */
     double sign;    /* of the contact's force on it */
     int turns;      /* the contact can turn it */
-    /* Of edges on edges, where a normal force of 1 N pushes elsewhere too (crossing.h): that, and its torque; both for
-     * a force of the ball's sign. */
+    /* Of boxes, where a normal force of 1 N pushes elsewhere too (crossing.h): that, and its torque; both for a force
+     * of the ball's sign. */
     int leans;
     struct vec n, lean, lean_turn;
 };
@@ -88,8 +88,9 @@ static struct vec acceleration(const struct side *side, struct vec own, double m
 struct view {
     struct vec normal, arm, apart;
     double overlap;
-    struct vec lean, turn_ball,
-        turn_host; /* of edges on edges: beyond what the normal force does at the arm, per 1 N */
+    int leans;                             /* of edges on edges, and of corners of boxes that are deep: */
+    struct vec lean, turn_ball, turn_host; /* beyond what the normal force does at the arm, per 1 N; */
+    double muffled;                        /* scree_muffled, else 1 */
 };
 
 /* Two boxes as the contacts before had them: a pair's contacts follow one another. */
@@ -105,19 +106,21 @@ static void bring_boxes(const struct scree_bodies *bodies, const struct scree_co
     *pair = (struct pair_of_boxes){contact->ball, contact->host, -1, scree_deep_boxes_of(bodies, contact)};
 }
 
-static struct view view_of_crossing(struct pair_of_boxes *pair, const struct scree_contact *contact,
-                                    enum scree_geometry geometry) {
+static struct view view_of_crossing(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                    enum scree_geometry geometry, struct pair_of_boxes *pair) {
     const struct scree_two_boxes *boxes = &pair->boxes;
     struct scree_crossing c = {.meeting = {vec(0.0, 0.0, 1.0), SCREE_OUTSIDE}};
     if (geometry == SCREE_EDGE_EDGE && pair->rectangles < 0)
         pair->rectangles = scree_meet_as_rectangles(boxes, (struct scree_rectangles){0, 0, 1});
     if (geometry == SCREE_BALL_BOX || !pair->rectangles) c = scree_cross(boxes, contact, geometry);
     struct vec n = c.meeting.normal, apart = boxes->apart;
-    struct view view = {.normal = n, .arm = c.point, .apart = apart, .overlap = c.meeting.overlap};
+    struct view view = {
+        .normal = n, .arm = c.point, .apart = apart, .overlap = c.meeting.overlap, .leans = 1, .muffled = 1.0};
     if (!(view.overlap > 0.0)) return view;
     view.lean = vec_sub(c.force, n);
     view.turn_ball = vec_sub(c.turn_a, vec_cross(c.point, n));
     view.turn_host = vec_add(c.turn_b, vec_cross(vec_add(c.point, apart), n));
+    view.muffled = scree_muffled(bodies, contact, &c);
     return view;
 }
 
@@ -125,7 +128,8 @@ static struct view view_of(const struct scree_bodies *bodies, const struct scree
                            enum scree_geometry geometry, struct pair_of_boxes *pair) {
     if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
         bring_boxes(bodies, contact, pair);
-        if (geometry == SCREE_EDGE_EDGE || pair->boxes.inset.by > 0.0) return view_of_crossing(pair, contact, geometry);
+        if (geometry == SCREE_EDGE_EDGE || pair->boxes.inset.by > 0.0)
+            return view_of_crossing(bodies, contact, geometry, pair);
     }
     const struct scree_record *ball = &bodies->record[contact->ball];
     struct vec corner = scree_corner_of(bodies, contact, geometry);
@@ -133,7 +137,8 @@ static struct view view_of(const struct scree_bodies *bodies, const struct scree
     return (struct view){.normal = m.normal,
                          .arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
                          .apart = scree_apart(bodies, contact, geometry),
-                         .overlap = m.overlap};
+                         .overlap = m.overlap,
+                         .muffled = 1.0};
 }
 
 /* Turn a vector as the normal turns from `a` to `b`. */
@@ -278,7 +283,7 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
     int lane = place.lane;
     struct vec host_arm = vec_add(middle.arm, middle.apart);
     double j = 0.0, m = 0.0;
-    if (place.batch->geometry == SCREE_EDGE_EDGE) {
+    if (middle.leans) {
         j = vec_dot(impulse, middle.normal);
         m = vec_dot(moment, middle.normal);
     }
@@ -439,7 +444,7 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     int turns = scree_contact_turns(batch, contact);
     struct side ball = side_of(bodies, bodies_now, contact->ball, now.arm, 1.0, turns);
     struct side host = side_of(bodies, bodies_now, contact->host, vec_add(now.arm, now.apart), -1.0, turns);
-    if (batch->geometry == SCREE_EDGE_EDGE) {
+    if (now.leans) {
         ball.leans = host.leans = 1;
         ball.n = host.n = now.normal;
         ball.lean = host.lean = now.lean;
@@ -450,12 +455,14 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     struct scree_pair_motion *p = &o->p;
     *p = laws_of(contacts, place);
     p->n = now.normal;
+    p->muffled = middle.overlap > 0.0 ? middle.muffled : now.muffled;
     p->step = step;
     set_give(p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);
     o->at = instant_of(p, place, now, velocity);
     o->sum = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    int covered = ball.leans && now.overlap == 0.0; /* corners bear all; the plain normal would foretell a touch */
+    int covered = batch->geometry == SCREE_EDGE_EDGE &&
+                  now.overlap == 0.0; /* corners bear all; the plain normal would foretell a touch */
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p->normal_give > 0.0 && !covered) {
         double more = extrapolation(p, &o->at);
         int pieces = pieces_for(p, &o->at);

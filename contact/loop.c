@@ -14,6 +14,11 @@
 
 #include <string.h>
 
+/* For the books, what a force does is its whole way. */
+static void tell_all(struct block *b, const struct lean *lean, int count) {
+    for (int k = 0; k < count; k++) b->closing[k] += lean->untold[k];
+}
+
 /* The last pass. */
 static void finish(const struct scree_contacts *contacts, const struct scree_batch *batch, const struct block *b,
                    int count, double step, struct sizes sizes, struct scree_yield *yield) {
@@ -56,6 +61,7 @@ static void act_edges(const struct scree_contacts *contacts, const struct scree_
     struct work w = work_on(contacts, bodies, batch, first, step);
     begin_at(&w, first);
     press(&w, first, count, see(&b, count, w.wants), &b);
+    tell_all(&b, &lean, count);
     finish(contacts, batch, &b, count, step, w.wants.sizes, yield);
     act_leaning(&b, &lean, count, step, yield);
 }
@@ -78,6 +84,7 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
     int deep = batch->geometry == SCREE_BALL_BOX && deepen_corners(bodies, contact, count, &b, &lean);
     if (deep) events = see(&b, count, w.wants);
     press(&w, first, count, events, &b);
+    if (deep) tell_all(&b, &lean, count);
     finish(contacts, batch, &b, count, step, w.wants.sizes, yield);
     if (deep) act_leaning(&b, &lean, count, step, yield);
 }

@@ -68,7 +68,7 @@ static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct
             scree_goes_even(bodies, batch, rolls)
                 ? scree_roll_even(m->normal, m->overlap, radii, velocity, closing, vec_add(ball_spin, host_spin))
                 : scree_roll_of(m->normal, m->overlap, ball->radius, radii, velocity, closing, ball_spin, host_spin);
-        return (struct scree_gait){vec_axpy(none, -roll.lever, m->normal), roll.slip, closing};
+        return (struct scree_gait){vec_axpy(none, -roll.lever, m->normal), roll.slip, closing, 0.0};
     }
     return scree_gait_of(m->normal, m->overlap, ball->radius, corner, scree_apart(bodies, contact, geometry), velocity,
                          ball_spin, host_spin);
@@ -104,7 +104,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
                                   .corner = batch->geometry == SCREE_BALL_IMAGE ? 0 : contact->corner};
     touch->edges = batch->geometry == SCREE_EDGE_EDGE;
     touch->overlap = m.overlap;
-    touch->closing = gait.closing;
+    touch->closing = gait.closing + gait.untold;
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
     touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
     if (unbooked) touch->stored += scree_snap_energy(normal->stored, &rule->normal_constants, pair);

@@ -53,7 +53,8 @@ static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies,
 struct scree_gait {
     struct vec arm;  /* from the ball body's centre to the middle of the overlap, m */
     struct vec slip; /* tangential velocity of the ball, m/s */
-    double closing;  /* m/s */
+    double closing;  /* m/s, as laws are told of it; */
+    double untold;   /* and what it is more, of boxes (scree_muffled) */
 };
 
 /* From the normal and the overlap; the ball's radius, and its place from its body's centre; centre, velocity of the
@@ -66,7 +67,7 @@ static inline struct scree_gait scree_gait_of(struct vec n, double overlap, doub
     velocity = vec_add(velocity, vec_cross(ball_spin, arm));
     velocity = vec_sub(velocity, vec_cross(host_spin, vec_add(arm, apart)));
     double closing = -vec_dot(velocity, n);
-    return (struct scree_gait){arm, vec_axpy(velocity, closing, n), closing};
+    return (struct scree_gait){arm, vec_axpy(velocity, closing, n), closing, 0.0};
 }
 
 /* How two balls move at the middle of their overlap. Both arms are along the normal, so spins add up before they are
@@ -133,6 +134,15 @@ static inline struct scree_crossing scree_cross(const struct scree_two_boxes *bo
     return scree_meet_edges(boxes, code / SCREE_EDGES, code % SCREE_EDGES);
 }
 
+/* A gradient that turns a body more than a force at its farthest point would is too steep for an explicit dashpot: what
+ * laws are told of the closing speed is less by this, the square, as if its lever ended there. 1: it isn't. */
+static inline double scree_muffled(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                   const struct scree_crossing *c) {
+    double ball = bodies->record[contact->ball].bound, host = bodies->record[contact->host].bound;
+    double lever = fmax(vec_norm(c->turn_a) / ball, vec_norm(c->turn_b) / host);
+    return lever > 1.0 ? lever * lever : 1.0;
+}
+
 /* How two edges move at their crossing; they close in as fast as their overlap grows. */
 static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *bodies,
                                                     const struct scree_contact *contact,
@@ -144,11 +154,8 @@ static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *b
     struct vec velocity = vec_add(between, vec_cross(ball_spin, c->point));
     velocity = vec_sub(velocity, vec_cross(host_spin, vec_add(c->point, apart)));
     double closing = -vec_dot(c->force, between) - vec_dot(c->turn_a, ball_spin) - vec_dot(c->turn_b, host_spin);
-    /* A gradient that turns a body more than a force at its farthest point would is too steep for an explicit dashpot:
-     * what the dashpot is told of the speed is less in the square, as if its lever ended there. */
-    double lever = fmax(vec_norm(c->turn_a) / ball->bound, vec_norm(c->turn_b) / host->bound);
-    if (lever > 1.0) closing /= lever * lever;
-    return (struct scree_gait){c->point, vec_axpy(velocity, -vec_dot(velocity, n), n), closing};
+    double told = closing / scree_muffled(bodies, contact, c);
+    return (struct scree_gait){c->point, vec_axpy(velocity, -vec_dot(velocity, n), n), told, closing - told};
 }
 
 /* Bring a stretch into the tangent plane without changing its length: the normal has turned since it was stored. Of its

@@ -12,13 +12,18 @@ static inline double closing_of(const struct scree_pair_motion *p, const struct 
     return -vec_dot(at->velocity, p->n);
 }
 
+/* As laws are told of it. */
+static inline double told_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    return closing_of(p, at) / p->muffled;
+}
+
 void scree_pair_press(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                       struct scree_pair_load *load) {
-    double closing = closing_of(p, at);
+    double closing = told_of(p, at);
     struct scree_pressing pressing = scree_pressed(at->overlap, closing, at->first, at->second);
     struct scree_normal_force f = p->normal->force(p->normal_law, p->normal_pair, pressing);
     load->normal = f.elastic + f.damping * closing;
-    load->damping = f.damping;
+    load->damping = f.damping / p->muffled;
     load->first = f.first;
     load->second = f.second;
     load->force = vec_scale(load->normal, p->n);
@@ -38,8 +43,9 @@ static double lasting(const struct scree_pair_motion *p, const struct scree_pair
 static struct scree_sliding sliding_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                                        double normal) {
     struct scree_sliding sliding = {.normal = normal > 0.0 ? normal : 0.0, .overlap = at->overlap};
-    sliding.closing = closing_of(p, at);
-    sliding.velocity = vec_axpy(at->velocity, sliding.closing, p->n);
+    double closing = closing_of(p, at);
+    sliding.closing = closing / p->muffled;
+    sliding.velocity = vec_axpy(at->velocity, closing, p->n);
     sliding.stretch = at->stretch;
     sliding.sliding = at->sliding;
     return sliding;
@@ -88,7 +94,7 @@ static void remember(const struct scree_pair_motion *p, struct scree_pair_instan
 /* Energy in the normal direction that the contact gives back, J; only reckoned if the books are kept. */
 static double stored(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
     if (!p->books || (at->overlap <= 0.0 && !(at->second > 0.0))) return 0.0;
-    struct scree_pressing pressing = scree_pressed(at->overlap, closing_of(p, at), at->first, at->second);
+    struct scree_pressing pressing = scree_pressed(at->overlap, told_of(p, at), at->first, at->second);
     return p->normal->stored(p->normal_law, p->normal_pair, pressing);
 }
 
@@ -313,8 +319,8 @@ static void shorten(const struct scree_pair_motion *p, enum event event, const s
 static int bends(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                  const struct scree_pair_instant *to) {
     if (!p->normal->bends) return 0;
-    struct scree_pressing first = scree_pressed(from->overlap, closing_of(p, from), from->first, from->second);
-    struct scree_pressing then = scree_pressed(to->overlap, closing_of(p, to), from->first, from->second);
+    struct scree_pressing first = scree_pressed(from->overlap, told_of(p, from), from->first, from->second);
+    struct scree_pressing then = scree_pressed(to->overlap, told_of(p, to), from->first, from->second);
     return p->normal->bends(p->normal_law, p->normal_pair, first, then);
 }
 

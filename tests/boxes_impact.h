@@ -92,7 +92,7 @@ static inline double impact_energy(scree_scene *scene, double *balance) {
 }
 
 static inline struct impact_result impact_run(uint64_t *seed, const struct impact_kind *kind) {
-    double time, balance;
+    double time, balance = NAN;
     struct impact_result result = {0};
     scree_scene *scene = impact_scene(seed, kind, &time);
     if (!scene) return result;

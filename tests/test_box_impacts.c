@@ -4,6 +4,7 @@
 
 struct energies {
     double rms, median, largest, least; /* the median of sizes */
+    double lacking;                     /* the most that books lack */
 };
 
 static int by_value(const void *a, const void *b) {
@@ -12,7 +13,7 @@ static int by_value(const void *a, const void *b) {
 }
 
 static struct energies random_impacts(int count, const struct impact_kind *kind) {
-    struct energies e = {0.0, 0.0, -1.0, 1.0};
+    struct energies e = {0.0, 0.0, -1.0, 1.0, 0.0};
     double *sizes = calloc((size_t)count, sizeof *sizes);
     uint64_t seed = 2024;
     int met = 0;
@@ -23,6 +24,7 @@ static struct energies random_impacts(int count, const struct impact_kind *kind)
         sizes[met++] = fabs(r.gained);
         e.rms += r.gained * r.gained;
         e.largest = fmax(e.largest, r.gained);
+        e.lacking = fmax(e.lacking, fabs(r.balance));
         e.least = fmin(e.least, r.gained);
     }
     CHECK(met > count / 2);
@@ -82,9 +84,22 @@ static void test_lossy_impacts(void) {
     CHECK(random_impacts(150, &rubbed).largest < 0.0);
 }
 
+/* What dashpots take is booked, whichever way edges and corners push, and by either method: of the worst impact books
+ * lack no more than above. */
+static void test_books(void) {
+    static const double roundness[3] = {0.2, 0.02, 0.0}, depth[3] = {0.5, 5.0, 0.0};
+    static const char *const damping[2] = {"damping = 0", "restitution = 0.6"};
+    for (int k = 0; k < 12; k++) {
+        struct impact_kind kind = {roundness[k / 4], 400.0, depth[k / 4],
+                                   damping[k & 1],   "",    k & 2 ? "pair-impulse" : NULL};
+        CHECK(random_impacts(100, &kind).lacking < acos(-1.0) / 400.0);
+    }
+}
+
 int main(void) {
     test_elastic_impacts();
     test_deep_impacts();
     test_lossy_impacts();
+    test_books();
     return check_report();
 }
