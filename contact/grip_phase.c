@@ -87,6 +87,19 @@ static void take_hold(struct scree_grip *grip, const struct scree_grip_view *vie
         grip->slips[way] = damped && scree_grip_is_slider(grip, way);
 }
 
+/* Where a force that may pull passes through zero: what a slider with a dashpot has in its spring goes on slackening.
+ */
+static void pass_no_load(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
+    double before[SCREE_GRIP_MEMORY];
+    memcpy(before, memory, sizeof before);
+    take_hold(grip, view, memory);
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
+        if (!scree_grip_is_slider(grip, way) || !(view->damping_of[way] > 0.0)) continue;
+        memcpy(memory + 3 * way, before + 3 * way, 3 * sizeof *memory);
+        grip->slips[way] = 1;
+    }
+}
+
 static void begin(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     grip->state = SCREE_GRIP_HELD;
     grip->approaching = view->closing >= 0.0;
@@ -264,7 +277,7 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
         break;
     case SCREE_SWITCH_PULL:
         grip->pulling = !grip->pulling;
-        take_hold(grip, view, memory);
+        pass_no_load(grip, view, memory);
         break;
     case SCREE_SWITCH_PEAK:
         if (grip->advancing) grip->first = fmax(grip->first, scree_grip_peak(grip, view));

@@ -141,9 +141,10 @@ struct scree_normal_law {
 
 /* A contact as a friction law sees it in the middle of a step: normal force (>= 0), tangential velocity of the ball
  * against its partner, overlap and closing speed, and the memory as it was `half` a step (s) before: the tangential
- * stretch, and whether the contact was sliding. With half = 0 everything is of one instant. */
+ * stretch, and whether the contact was sliding. With half = 0 everything is of one instant. `apart`: the share of the
+ * step in which the bodies don't touch, and no dashpot acts. */
 struct scree_sliding {
-    double normal, overlap, closing, half;
+    double normal, overlap, closing, half, apart;
     struct vec velocity, stretch;
     double sliding;
     struct scree_roots roots;

@@ -31,7 +31,8 @@ static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
 /* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step
  * in which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The
  * spring is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked
- * up, not compared again: a second comparison would make a branch of the law, and no vector. */
+ * up, not compared again: a second comparison would make a branch of the law, and no vector. Where a law that never
+ * pulls has let go, contact is over: what friction and rolling have kept is forgotten. */
 #define NORMAL_PASS(word)                                                                                              \
     static inline void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,           \
                                         const double *const *pair, double *const *kept, double step) {                 \
@@ -62,6 +63,7 @@ static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
         }                                                                                                              \
         double force = spring + share * f.damping * at.closing;                                                        \
         b->force[k] = scree_normal_##word.cut && force < 0.0 ? 0.0 : force;                                            \
+        if (scree_normal_##word.cut) b->touching[k] = force > 0.0 ? touching : 0.0;                                    \
     }                                                                                                                  \
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
                                    const double *const *pair, double *const *kept, double step) {                      \
@@ -76,6 +78,7 @@ static SCREE_INLINE struct scree_sliding sliding_at(const struct block *b, int k
                                                     double half) {
     struct scree_sliding at = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0, .overlap = b->overlap[k], .half = half};
     at.closing = b->closing[k];
+    at.apart = 1.0 - b->share[k];
     at.velocity = vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
     if (!memory) return at;
     at.stretch = get_kept(kept, k);
@@ -188,6 +191,7 @@ static inline struct vec turning_at(const struct block *b, int k, double lever) 
             struct scree_sliding rolling = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0,                           \
                                             .overlap = b->overlap[k],                                                  \
                                             .half = 0.5 * step,                                                        \
+                                            .apart = 1.0 - b->share[k],                                                \
                                             .velocity = vec_axpy(velocity, -along, n)};                                \
             struct scree_sliding twisting = rolling;                                                                   \
             twisting.velocity = vec(along, 0.0, 0.0);                                                                  \

@@ -30,7 +30,8 @@
 /* k > 0, c >= 0. */
 static SCREE_INLINE struct scree_slider scree_slider_of(struct scree_sliding at, double k, double c,
                                                         struct scree_hold hold) {
-    double step = at.half + at.half, stiff = at.half * k + SCREE_NO_DRAG, first = c + stiff, part = stiff / first;
+    double step = at.half + at.half, stiff = at.half * k + SCREE_NO_DRAG;
+    double first = c * (1.0 - at.apart) + stiff, part = stiff / first;
     double inverse = first / (first * first + stiff * stiff); /* 1/(first + stiff part), without waiting for it */
     double goes = step * (first * inverse), late = at.half * part, other = first + stiff * part;
     int slid = at.sliding > 0.0;
