@@ -160,7 +160,7 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
     } else if (s->c > 0.0) {
         double size = vec_norm(trial);
         d.force = vec_scale(-s->hold.slides / (size + SCREE_NO_SPEED), trial);
-        d.rate = vec_scale(-unit / s->c, vec_add(d.force, d.elastic));
+        d.rate = vec_axpy(vec_scale(-unit / s->c, vec_add(d.force, d.elastic)), s->falls, memory);
     } else {
         double size = vec_norm(memory), speed = vec_norm(v);
         struct vec towards = size > 0.0    ? vec_scale(1.0 / size, memory)

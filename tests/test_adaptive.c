@@ -728,10 +728,13 @@ static void test_one_model(void) {
         "contact.0.friction={ law = \"mindlin\", static = 0.5, kinetic = 0.4, damping = 0.15 }";
     static const char coulomb[] =
         "contact.0.friction={ law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 80, damping = 0.01 }";
+    static const char rescaled[] =
+        "contact.0.friction={ law = \"mindlin-rescaled\", static = 0.5, kinetic = 0.4, damping = 0.15 }";
     static const char pair_impulse[] = "time.integrator=\"pair-impulse\"";
     static const char *const laws[][2] = {
         {"contact.0.normal={ law = \"tsuji-cut\", restitution = 0.6 }", mindlin},
         {"contact.0.normal={ law = \"tsuji\", restitution = 0.6 }", mindlin},
+        {"contact.0.normal={ law = \"tsuji-cut\", restitution = 0.6 }", rescaled},
         {"contact.0.normal={ law = \"linear-cut\", stiffness = 100, restitution = 0.6 }", coulomb},
         {"contact.0.normal={ law = \"linear\", stiffness = 100, restitution = 0.6 }", coulomb}};
     for (size_t k = 0; k < sizeof laws / sizeof *laws; k++) {
