@@ -87,8 +87,7 @@ static void take_hold(struct scree_grip *grip, const struct scree_grip_view *vie
         grip->slips[way] = damped && scree_grip_is_slider(grip, way);
 }
 
-/* Where a force that may pull passes through zero: what a slider with a dashpot has in its spring goes on slackening.
- */
+/* Where a force that may pull passes through zero: the spring beside a slider's dashpot goes on slackening. */
 static void pass_no_load(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     double before[SCREE_GRIP_MEMORY];
     memcpy(before, memory, sizeof before);

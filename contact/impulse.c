@@ -461,8 +461,8 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     struct vec velocity = slip_of(&ball, &host);
     o->at = instant_of(p, place, now, velocity);
     o->sum = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    int covered = batch->geometry == SCREE_EDGE_EDGE &&
-                  now.overlap == 0.0; /* corners bear all; the plain normal would foretell a touch */
+    /* Corners bear all; the plain normal would foretell a touch. */
+    int covered = batch->geometry == SCREE_EDGE_EDGE && now.overlap == 0.0;
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p->normal_give > 0.0 && !covered) {
         double more = extrapolation(p, &o->at);
         int pieces = pieces_for(p, &o->at);
