@@ -9,16 +9,27 @@
 #include "contact/mindlin.h"
 #include "contact/slider.h"
 
-static inline struct scree_tangential friction_mindlin_incremental_force(const struct scree_law_constants *law,
-                                                                         struct scree_pair_constants pair,
-                                                                         struct scree_sliding at) {
+/* The step of a spring whose force is kept. Up to mid-step it goes by the stiffness `early` (N/m) of half way there:
+ * near the touch that of mid-step would make it break loose by mistake. */
+static inline struct scree_tangential mindlin_in_force(const struct scree_law_constants *law,
+                                                       struct scree_pair_constants pair, struct scree_sliding at,
+                                                       double early) {
     double k = mindlin_stiffness(law, pair, at.overlap);
     /* The stretch that would carry the force at this stiffness: from there on it is the same slider. */
     at.stretch = vec_scale(1.0 / k, at.stretch);
     double c = mindlin_damping(law, pair, at.overlap);
-    struct scree_tangential f = scree_slide(at, scree_slider_of(at, k, c, mindlin_hold(law, at)));
+    struct scree_slider slider = scree_slider_of(at, k, c, mindlin_hold(law, at));
+    slider.drag += at.sliding > 0.0 ? 0.0 : at.half * (early - k);
+    struct scree_tangential f = scree_slide(at, slider);
     f.stretch = vec_scale(k, f.stretch);
     return f;
+}
+
+static inline struct scree_tangential friction_mindlin_incremental_force(const struct scree_law_constants *law,
+                                                                         struct scree_pair_constants pair,
+                                                                         struct scree_sliding at) {
+    double early = mindlin_stiffness(law, pair, at.overlap - 0.5 * at.half * at.closing);
+    return mindlin_in_force(law, pair, at, early);
 }
 
 static inline double friction_mindlin_incremental_stored(const struct scree_law_constants *law,

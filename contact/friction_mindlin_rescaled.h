@@ -22,7 +22,8 @@ static inline struct scree_tangential friction_mindlin_rescaled_force(const stru
     /* A force that has slid is one of mid-step (slider.h). */
     double since = at.sliding > 0.0 ? 2.0 * fall : fall;
     at.stretch = vec_scale(mindlin_rescaled_share(at.overlap + since, at.overlap), at.stretch);
-    struct scree_tangential f = friction_mindlin_incremental_force(law, pair, at);
+    double grown = at.closing > 0.0 ? at.closing * at.half : 0.0;
+    struct scree_tangential f = mindlin_in_force(law, pair, at, mindlin_stiffness(law, pair, at.overlap - 0.5 * grown));
     double until = f.sliding > 0.0 ? 0.0 : fall;
     f.stretch = vec_scale(mindlin_rescaled_share(at.overlap, at.overlap - until), f.stretch);
     return f;

@@ -9,6 +9,7 @@
 #define SCREE_CONTACT_LANE_H
 
 #include "contact/block.h"
+#include "contact/slider.h"
 
 typedef struct scree_normal_force press_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                             struct scree_pressing at);
@@ -137,40 +138,17 @@ static SCREE_INLINE void hold_stage(struct smooth_laws laws, const struct smooth
     if (laws.bare) at->s = vec_scale(scale, at->s);
 }
 
-/* Friction at a stage `time` after the first one; its stretch is that of a slider that holds. One that slides does so
- * along what spring and dashpot would bear,
- *
- *   k s + c s' = P,  P = limit (k s + c v)/|k s + c v|
- *
- * which is stiff: its rate is k/c, and where there is no dashpot P turns towards v at the rate k v/limit. So s goes by
- * the approximant of exp(-z) of orders 0 and 2, 1/(1 + z + z^2/2), z = k time/c, with P linear in time; the direction
- * of P likewise: of second order for any rate. */
+/* Friction at a stage `time` after the first one, whose stretch is that of a slider that holds. */
 static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *first,
                                     double time, struct stage *at) {
     brace_stage(laws, lane, at);
-    const double none = 1e-100; /* m, N, N s/m: divides where there is nothing yet */
-    double own = first->limit + none, reach = own / first->stiffness + at->limit * (1.0 / at->stiffness);
-    double per = 1.0 / (own * reach), turning = -time * per * vec_dot(first->force, at->slip);
-    turning = turning > -0.5 ? turning : -0.5;
-    struct vec goes = vec_axpy(vec_scale(0.5, vec_add(first->slip, at->slip)), turning, at->slip);
-    struct vec pulls = vec_axpy(vec_scale(-0.5 * reach * reach * per, first->force), time, goes), slid, stretch;
-    if (laws.bare) {
-        slid = vec_scale(at->limit / (vec_norm(pulls) + SCREE_NO_SPEED), pulls);
-        stretch = vec_scale(1.0 / at->stiffness, slid);
-    } else {
-        double before = 1.0 / (first->drag + none), after = 1.0 / (at->drag + none);
-        double z = 0.5 * time * (first->stiffness * before + at->stiffness * after), square = z * z;
-        struct vec twice = vec_scale(2.0, first->s);
-        pulls = vec_scale(at->stiffness, vec_axpy(twice, z, pulls));
-        pulls = vec_axpy(pulls, 2.0 * at->drag * (1.0 + z), at->slip);
-        slid = vec_scale(at->limit / (vec_norm(pulls) + SCREE_NO_SPEED), pulls);
-        stretch = vec_axpy(twice, -time * before, first->force);
-        stretch = vec_axpy(stretch, time * after + square * (1.0 / at->stiffness), slid);
-        stretch = vec_scale(1.0 / (2.0 + 2.0 * z + square), stretch);
-    }
+    struct scree_drawn before = {
+        first->stiffness, first->drag, first->limit, first->slip, vec_scale(-1.0, first->force), first->s};
+    struct scree_drawn drawn = {.k = at->stiffness, .drag = at->drag, .limit = at->limit, .slip = at->slip};
+    scree_draw_on(&before, 1.0, time, laws.bare, &drawn);
     struct vec held = trial_at(at);
-    at->s = at->slides > 0.0 ? stretch : at->s;
-    at->force = vec_scale(-1.0, at->slides > 0.0 ? slid : held);
+    at->s = at->slides > 0.0 ? drawn.stretch : at->s;
+    at->force = vec_scale(-1.0, at->slides > 0.0 ? drawn.carries : held);
 }
 
 /* The stage that follows from the rates of `at`. */

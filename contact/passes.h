@@ -253,6 +253,7 @@ struct work {
     const struct scree_rule *rule;
     struct wants wants;
     int balls, rubs, slides; /* of two; with friction or rolling; with a slider of several passes */
+    int in_force;            /* friction keeps a force */
     const double *pair[SCREE_PAIR_COLUMNS];
     double *kept[SCREE_MEMORY];
 };
@@ -272,7 +273,8 @@ static inline struct work work_on(const struct scree_contacts *contacts, const s
                                    .remembers = friction && friction->memory},
                          .balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE,
                          .rubs = friction || rule->rolling >= 0,
-                         .slides = friction && friction->grip};
+                         .slides = friction && friction->grip,
+                         .in_force = friction && friction->in_force};
 }
 
 /* Contacts from `first` on. */
@@ -280,6 +282,46 @@ static inline void begin_at(struct work *w, int first) {
     const struct scree_batch *batch = w->batch;
     for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) w->pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
     for (int m = 0; m < SCREE_MEMORY; m++) w->kept[m] = batch->kept[m] ? batch->kept[m] + first : NULL;
+}
+
+/* ---- what is kept is a force ---- */
+
+/* Stiffness of friction `later` half steps after mid-step, N/m. */
+static double stiffness_at(const struct work *w, const struct block *b, int k, double later) {
+    double overlap = b->overlap[k] + later * 0.5 * w->wants.step * b->closing[k];
+    const struct scree_friction_law *law = scree_friction_laws[w->rule->friction];
+    return law->stiffness(&w->rule->friction_constants, friction_pair_at(w->pair, k), overlap);
+}
+
+/* The force since a touch over what the last stiffness would make of the way since then, where it grows with the
+ * overlap like a root, at constant speeds. */
+static double grown_share(const struct work *w) {
+    double root = scree_friction_laws[w->rule->friction]->root;
+    return root / (root + 1.0);
+}
+
+/* As begin_stretches: before the law, which adds what the stiffness in the middle of the first half makes of that half.
+ * A slider that should hold would break loose by mistake without this, at any step. Returns the lanes that begin. */
+static uint32_t begin_forces(const struct work *w, struct block *b, int count) {
+    double half = 0.5 * w->wants.step, share = grown_share(w);
+    uint32_t begins = 0;
+    for (int k = 0; k < count; k++) {
+        double met = b->met[k];
+        if (!(met > 0.0 && met < 2.0 && b->closing[k] > 0.0) || vec_norm2(get_kept(w->kept, k)) > 0.0) continue;
+        double since_touch = share * met * stiffness_at(w, b, k, 0.0), by_law = stiffness_at(w, b, k, -0.5);
+        put_kept(w->kept, k, vec_scale(half * (since_touch - by_law), get(b->slip, k)));
+        begins |= (uint32_t)1 << k;
+    }
+    return begins;
+}
+
+/* What they keep at the end of the step if they hold. */
+static void end_forces(const struct work *w, struct block *b, int count, uint32_t begins) {
+    double half = 0.5 * w->wants.step, share = grown_share(w);
+    for (int k = 0; k < count; k++)
+        if (begins >> k & 1 && b->touching[k] > 0.0 && !(b->state[k] > 0.0))
+            put_kept(w->kept, k,
+                     vec_scale(half * share * (b->met[k] + 1.0) * stiffness_at(w, b, k, 1.0), get(b->slip, k)));
 }
 
 /* From gathered columns on, all passes but the last; `events`: as seen in meeting. */
@@ -296,8 +338,10 @@ static void press(struct work *w, int first, int count, int events, struct block
     else if (w->wants.remembers)
         lean_stretches(b, count, w->kept);
     normal_passes[rule->normal](b, count, &rule->normal_constants, w->pair, w->kept, step);
+    uint32_t begins = w->in_force && events & CHANGES ? begin_forces(w, b, count) : 0;
     if (rule->friction >= 0)
         friction_passes[rule->friction](b, count, &rule->friction_constants, w->pair, w->kept, step);
+    if (begins) end_forces(w, b, count, begins);
     if (w->slides) {
         if (events & CHANGES) begin_stretches(b, count, step, w->kept);
         try_sliders(b, count, w->kept);

@@ -55,6 +55,48 @@ static SCREE_INLINE struct scree_tangential scree_slider_end(struct scree_slider
     return (struct scree_tangential){vec_scale(-scale, trial), vec_axpy(kept, way, velocity), size > holds ? 1.0 : 0.0};
 }
 
+/* ---- a slider followed in time, by those who locate where it breaks loose and where it holds again ---- */
+
+/* Spring, dashpot and slider at an instant: stiffness, N/m; damping, N s/m; the force with which it slides, N; how it
+ * is dragged, m/s; what spring and dashpot carry, N; the stretch, m. */
+struct scree_drawn {
+    double k, drag, limit;
+    struct vec slip, carries, stretch;
+};
+
+/* `time` after `first` a slider that has slid all along slides with a force along what spring and dashpot would bear,
+ *
+ *   k s + c s' = P,  P = limit (k s + c v)/|k s + c v|
+ *
+ * which is stiff: its rate is k/c, and where there is no dashpot P turns towards v at the rate k v/limit. So s goes by
+ * the approximant of exp(-z) of orders 0 and 2, 1/(1 + z + z^2/2), z = k time/c, with P linear in time; the direction
+ * of P likewise: of second order for any rate. Sets what is carried and the stretch of `at`. Where what is kept is the
+ * force of the spring, first->stretch is that force over the stiffness of `at`, and `share` the stiffness of `first`
+ * over that of `at`; else it is 1. */
+static SCREE_INLINE void scree_draw_on(const struct scree_drawn *first, double share, double time, int bare,
+                                       struct scree_drawn *at) {
+    const double none = 1e-100; /* m, N, N s/m: divides where there is nothing yet */
+    double own = first->limit + none, reach = own / first->k + at->limit * (1.0 / at->k);
+    double per = 1.0 / (own * reach), turning = time * per * vec_dot(first->carries, at->slip);
+    turning = turning > -0.5 ? turning : -0.5;
+    struct vec goes = vec_axpy(vec_scale(0.5, vec_add(first->slip, at->slip)), turning, at->slip);
+    struct vec pulls = vec_axpy(vec_scale(0.5 * reach * reach * per, first->carries), time, goes);
+    if (bare) {
+        at->carries = vec_scale(at->limit / (vec_norm(pulls) + SCREE_NO_SPEED), pulls);
+        at->stretch = vec_scale(1.0 / at->k, at->carries);
+        return;
+    }
+    double before = 1.0 / (first->drag + none), after = 1.0 / (at->drag + none);
+    double z = 0.5 * time * (first->k * before + at->k * after), square = z * z;
+    struct vec twice = vec_scale(2.0, first->stretch);
+    pulls = vec_scale(at->k, vec_axpy(twice, z, pulls));
+    pulls = vec_axpy(pulls, 2.0 * at->drag * (1.0 + z), at->slip);
+    at->carries = vec_scale(at->limit / (vec_norm(pulls) + SCREE_NO_SPEED), pulls);
+    struct vec stretch = vec_axpy(twice, time * (before * share), first->carries);
+    stretch = vec_axpy(stretch, time * after + square * (1.0 / at->k), at->carries);
+    at->stretch = vec_scale(1.0 / (2.0 + 2.0 * z + square), stretch);
+}
+
 /* The whole step. */
 static SCREE_INLINE struct scree_tangential scree_slide(struct scree_sliding at, struct scree_slider slider) {
     struct vec trial = scree_slider_trial(slider.k, slider.drag, at.stretch, at.velocity);

@@ -1,12 +1,15 @@
 /* One contact inside one step of the pair-impulse method: where contact begins, where the dashpot turns round, where
- * the law changes its formula, where a slider breaks loose and where contact ends is located; between these points
- * classical Runge-Kutta, whose variables are overlap and velocity, so that a contact at rest is a fixed point of it to
- * rounding. */
+ * the law changes its formula, where a slider breaks loose or holds again and where contact ends is located; between
+ * these points classical Runge-Kutta, whose variables are overlap and velocity, so that a contact at rest is a fixed
+ * point of it to rounding. */
 #include "contact/within.h"
 
+#include "contact/slider.h"
+
 /* Of the searches for an event inside a step, each at least halves its bracket every third time. A ball that bounces to
- * rest within a step touches a few times; its contacts last, so there is an end to them. */
-enum { TRIES = 16, MOST_TOUCHES = 64 };
+ * rest within a step touches a few times; its contacts last, so there is an end to them. A slider that would break
+ * loose and hold again more often stays as it is. */
+enum { TRIES = 16, MOST_TOUCHES = 64, MOST_SLIPS = 8 };
 
 static inline double closing_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
     return -vec_dot(at->velocity, p->n);
@@ -51,12 +54,10 @@ static struct scree_sliding sliding_of(const struct scree_pair_motion *p, const 
     return sliding;
 }
 
-/* Add friction to the load of an instant; what the law makes of its memory at that instant (a stretch beyond what the
- * normal force can hold) is kept. */
+/* Friction of a law that isn't a slider, added to the load of an instant; what the law makes of its memory there is
+ * kept. */
 static void rub(const struct scree_pair_motion *p, struct scree_pair_instant *at, struct scree_pair_load *load) {
-    load->rubbing = 0.0;
-    if (!p->friction) return;
-    struct scree_sliding sliding = sliding_of(p, at, p->holds ? 1e200 : load->normal);
+    struct scree_sliding sliding = sliding_of(p, at, load->normal);
     struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
     load->force = vec_add(load->force, f.force);
     load->rubbing = -vec_dot(f.force, sliding.velocity);
@@ -65,21 +66,31 @@ static void rub(const struct scree_pair_motion *p, struct scree_pair_instant *at
     at->sliding = f.sliding;
 }
 
-/* The memory of friction after `time` at the velocity and overlap of `at`, by the law's own rule, into `to`. */
+/* The memory of such a law after `time` at the velocity and overlap of `at`, by its own rule, into `to`. */
 static void drag(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                  const struct scree_pair_instant *at, double normal, double time, struct scree_pair_instant *to) {
-    if (!p->friction || !p->friction->memory) return;
     struct scree_sliding sliding = sliding_of(p, at, normal);
     sliding.stretch = from->stretch;
     sliding.sliding = from->sliding;
     sliding.half = 0.5 * time;
-    if (p->trial) { /* the whole stretch; `rub` cuts it to what holds at its end, not in its middle */
-        sliding.normal = 1e200;
-        sliding.sliding = 0.0;
-    }
     struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
     to->stretch = f.stretch;
-    to->sliding = p->trial ? from->sliding : f.sliding;
+    to->sliding = f.sliding;
+}
+
+/* A slider at an instant whose overlap, velocity and normal force are set: spring, dashpot and limit. */
+static struct scree_drawn brace(const struct scree_pair_motion *p, const struct scree_pair_instant *at, double normal) {
+    struct scree_sliding sliding = sliding_of(p, at, normal);
+    double overlap = at->overlap > 0.0 ? at->overlap : 0.0;
+    return (struct scree_drawn){.k = p->friction->stiffness(p->friction_law, p->friction_pair, overlap),
+                                .drag = p->friction->damping(p->friction_law, p->friction_pair, overlap),
+                                .limit = p->friction->hold(p->friction_law, sliding).slides,
+                                .slip = sliding.velocity};
+}
+
+/* What spring and dashpot would bear if the slider held, N. */
+static struct vec trial_of(const struct scree_drawn *drawn) {
+    return vec_axpy(vec_scale(drawn->k, drawn->stretch), drawn->drag, drawn->slip);
 }
 
 /* What the normal law remembers at the end of a piece. */
@@ -98,21 +109,96 @@ static double stored(const struct scree_pair_motion *p, const struct scree_pair_
     return p->normal->stored(p->normal_law, p->normal_pair, pressing);
 }
 
-/* The four stages of one Runge-Kutta step; `along` is dt/d(variable) at each. */
+/* The four stages of one Runge-Kutta step: times since the first, s; `along` is dt/d(variable) at each. Of a slider,
+ * what it remembers is its force or, if `in_stretch`, its stretch; as `rate`, m/s or N/s, it goes on. */
 struct stages {
     struct scree_pair_instant at[4];
     struct scree_pair_load load[4];
-    double along[4];
+    double time[4], along[4];
+    struct scree_drawn drawn[4];
+    struct vec rate[4];
+    int in_stretch;
 };
 
 static const double weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0}, node[4] = {0.0, 0.5, 0.5, 1.0};
 
-/* Forces at stage k, whose overlap and velocity are set; `size` is that of the step in its variable. */
-static void load_stage(const struct scree_pair_motion *p, struct stages *s, int k, double size) {
+/* Whether the slider of a step that begins with `at` goes by its stretch: so does a force that falls with the stiffness
+ * while the overlap does, which it does throughout a piece or not at all. */
+static int goes_by_stretch(const struct scree_pair_motion *p, const struct scree_pair_instant *at, double normal,
+                           double time) {
+    if (!p->friction->in_force || !p->friction->rescaled) return !p->friction->in_force;
+    double speeding = -vec_dot(p->a, p->n) - p->normal_give * normal;
+    return closing_of(p, at) + 0.5 * time * speeding < 0.0;
+}
+
+static void push_back(const struct scree_drawn *drawn, struct scree_pair_load *load) {
+    load->force = vec_sub(load->force, drawn->carries);
+    load->rubbing = vec_dot(drawn->carries, drawn->slip);
+}
+
+/* A slider where a step begins. A bare spring that slides has the stretch of its force. */
+static void grip_first(const struct scree_pair_motion *p, struct stages *s, double time) {
+    struct scree_pair_instant *at = &s->at[0];
+    struct scree_drawn *drawn = &s->drawn[0];
+    *drawn = brace(p, at, s->load[0].normal);
+    s->in_stretch = goes_by_stretch(p, at, s->load[0].normal, time);
+    drawn->stretch = p->friction->in_force ? vec_scale(1.0 / drawn->k, at->stretch) : at->stretch;
+    struct vec trial = trial_of(drawn);
+    double scale = at->sliding > 0.0 ? drawn->limit / (vec_norm(trial) + SCREE_NO_SPEED) : 1.0;
+    drawn->carries = vec_scale(scale, trial);
+    if (p->bare) drawn->stretch = vec_scale(scale, drawn->stretch);
+    at->stretch = vec_scale(s->in_stretch ? 1.0 : drawn->k, drawn->stretch);
+    s->rate[0] = vec_scale(s->in_stretch ? 1.0 : drawn->k, drawn->slip);
+}
+
+/* A slider at an instant `time` after the first stage; `remembers` is what it has kept if it has held since. What it
+ * keeps is put there. */
+static struct scree_drawn grip_later(const struct scree_pair_motion *p, const struct stages *s, double time,
+                                     struct vec remembers, double normal, struct scree_pair_instant *at) {
+    struct scree_drawn drawn = brace(p, at, normal), first = s->drawn[0];
+    double share = s->in_stretch ? 1.0 : first.k / drawn.k, unit = s->in_stretch ? 1.0 : drawn.k;
+    if (at->sliding > 0.0) {
+        if (!s->in_stretch) first.stretch = vec_scale(1.0 / drawn.k, s->at[0].stretch);
+        scree_draw_on(&first, share, time, p->bare, &drawn);
+    } else {
+        drawn.stretch = vec_scale(1.0 / unit, remembers);
+        drawn.carries = trial_of(&drawn);
+    }
+    at->stretch = vec_scale(unit, drawn.stretch);
+    return drawn;
+}
+
+/* Forces at stage k, whose time, overlap and velocity are set; `size` is that of the step in its variable, which ends
+ * after `time`. */
+static void load_stage(const struct scree_pair_motion *p, struct stages *s, int k, double size, double time) {
     struct scree_pair_instant *at = &s->at[k];
-    scree_pair_press(p, at, &s->load[k]);
-    if (k > 0) drag(p, &s->at[0], &s->at[k - 1], s->load[k].normal, node[k] * size * s->along[k - 1], at);
-    rub(p, at, &s->load[k]);
+    struct scree_pair_load *load = &s->load[k];
+    double share = k > 0 ? node[k] * size * s->along[k - 1] : 0.0;
+    scree_pair_press(p, at, load);
+    load->rubbing = 0.0;
+    if (p->slider && k == 0) {
+        grip_first(p, s, time);
+        push_back(&s->drawn[0], load);
+    } else if (p->slider) {
+        struct vec remembers = vec_axpy(s->at[0].stretch, share, s->rate[k - 1]);
+        s->drawn[k] = grip_later(p, s, s->time[k], remembers, load->normal, at);
+        s->rate[k] = vec_scale(s->in_stretch ? 1.0 : s->drawn[k].k, s->drawn[k].slip);
+        push_back(&s->drawn[k], load);
+    } else if (p->friction) {
+        if (p->friction->memory && k > 0) drag(p, &s->at[0], &s->at[k - 1], load->normal, share, at);
+        rub(p, at, load);
+    }
+}
+
+/* What a slider remembers at the end, whose overlap and velocity are set. */
+static void finish_slider(const struct scree_pair_motion *p, const struct stages *s, double size, double time,
+                          struct scree_pair_instant *end) {
+    struct scree_pair_load load;
+    struct vec remembers = s->at[0].stretch;
+    for (int k = 0; k < 4; k++) remembers = vec_axpy(remembers, weight[k] * size * s->along[k], s->rate[k]);
+    scree_pair_press(p, end, &load);
+    struct scree_drawn drawn = grip_later(p, s, time, remembers, load.normal, end);
+    if (p->friction->in_force && s->in_stretch) end->stretch = vec_scale(drawn.k, end->stretch);
 }
 
 /* The memories at the end of a step of length `time`, whose overlap and velocity are set, and the work done in it. */
@@ -126,12 +212,11 @@ static void finish_stages(const struct scree_pair_motion *p, const struct stages
         way = vec_axpy(way, share, s->at[k].velocity);
         yield->lost += share * s->load[k].normal * closing_of(p, &s->at[k]);
         yield->rubbed += share * s->load[k].rubbing;
-        if (p->trial)
-            drag(p, end, &s->at[k], 0.0, share, end); /* Runge-Kutta's sum, with the stiffness of each stage */
     }
+    if (p->slider) finish_slider(p, s, size, time, end);
     remember(p, end);
     yield->lost -= stored(p, end) - stored(p, &s->at[0]); /* the work of the force that isn't there any more */
-    if (p->trial || !p->friction || !p->friction->memory || time == 0.0) return;
+    if (p->slider || !p->friction || !p->friction->memory || time == 0.0) return;
     mean.velocity = vec_scale(1.0 / time, way);
     drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
 }
@@ -140,13 +225,14 @@ static void finish_stages(const struct scree_pair_motion *p, const struct stages
 static struct scree_pair_instant move(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                                       double time, struct scree_pair_yield *yield) {
     struct stages s = {.at = {*from, *from, *from, *from}, .along = {1.0, 1.0, 1.0, 1.0}};
-    load_stage(p, &s, 0, time);
+    load_stage(p, &s, 0, time, time);
     for (int k = 1; k < 4; k++) {
+        s.time[k] = node[k] * time;
         struct vec pull = vec_add(p->a, mat_apply(&p->give, s.load[k - 1].force));
         s.at[k].overlap = from->overlap + node[k] * time * closing_of(p, &s.at[k - 1]);
         s.at[k].velocity = vec_axpy(from->velocity, node[k] * time, pull);
         s.at[k].stretch = s.at[0].stretch;
-        load_stage(p, &s, k, time);
+        load_stage(p, &s, k, time, time);
     }
     struct vec ends = vec_add(s.load[0].force, s.load[3].force), inner = vec_add(s.load[1].force, s.load[2].force);
     yield->impulse = vec_scale(time / 6.0, vec_axpy(ends, 2.0, inner));
@@ -239,8 +325,10 @@ static void tick(const struct scree_pair_motion *p, const struct clock *c, const
     struct scree_pair_yield sum = *yield, part;
     struct vec impulse[4];
     double size = c->size, ignored;
+    double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
     for (int k = 0; k < 4; k++) {
         double t = clock_time(c, piece + node[k], &s.along[k]);
+        s.time[k] = t - before;
         struct scree_pair_yield state = *yield;
         if (k > 0) {
             double share = node[k] * size * s.along[k - 1];
@@ -251,11 +339,10 @@ static void tick(const struct scree_pair_motion *p, const struct clock *c, const
             s.at[k].sliding = s.at[0].sliding;
         }
         impulse[k] = state.impulse;
-        load_stage(p, &s, k, size);
+        load_stage(p, &s, k, size, after - before);
         sum.impulse = vec_axpy(sum.impulse, weight[k] * size * s.along[k], s.load[k].force);
         sum.moment = vec_axpy(sum.moment, weight[k] * size * s.along[k], impulse[k]);
     }
-    double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
     *now = s.at[0];
     place(p, from, after, &sum, now);
     finish_stages(p, &s, size, after - before, now, &part);
@@ -283,25 +370,69 @@ static struct scree_pair_instant go(const struct scree_pair_motion *p, const str
 
 /* ---- events inside a step ---- */
 
-enum event { TURNS, ENDS };
+enum event { TURNS, ENDS, SLIPS };
+
+/* The contact a little later, whose force is known; only overlap and velocity. */
+static struct scree_pair_instant soon_after(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
+                                            double normal, double time) {
+    struct scree_pair_instant next = *at;
+    struct vec pull = vec_add(p->a, mat_apply(&p->give, vec_scale(normal, p->n)));
+    next.overlap += time * closing_of(p, at);
+    next.velocity = vec_axpy(at->velocity, time, pull);
+    return next;
+}
+
+/* The force with which a slider slides, N. */
+static double grip_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    struct scree_pair_load load;
+    scree_pair_press(p, at, &load);
+    return brace(p, at, load.normal).limit;
+}
+
+/* What a slider that holds could still bear, N; by how much more (N) one that slides would have to bear if it held; the
+ * force of a bare spring can't be more than what it slides with: by how much faster (m/s) it is dragged than what it
+ * remembers grows as its load allows. */
+static double gripping(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    struct scree_pair_load load;
+    scree_pair_press(p, at, &load);
+    struct scree_drawn drawn = brace(p, at, load.normal);
+    drawn.stretch = p->friction->in_force ? vec_scale(1.0 / drawn.k, at->stretch) : at->stretch;
+    double bears = vec_norm(trial_of(&drawn));
+    if (!(at->sliding > 0.0)) return p->friction->hold(p->friction_law, sliding_of(p, at, load.normal)).holds - bears;
+    if (!p->bare) return bears - drawn.limit;
+    const double soon = 1e-5 * p->step;
+    struct scree_pair_instant later = soon_after(p, at, load.normal, soon);
+    int in_stretch = goes_by_stretch(p, at, load.normal, 0.0);
+    scree_pair_press(p, &later, &load);
+    struct scree_drawn next = brace(p, &later, load.normal);
+    double growth = (next.limit / (in_stretch ? next.k : drawn.k) - drawn.limit / drawn.k) / soon;
+    struct vec towards = vec_axpy(drawn.stretch, 1e-12 * p->step, drawn.slip); /* no stretch yet at the very begin */
+    return vec_dot(drawn.slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED) - growth;
+}
 
 static double still(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *at) {
-    return event == TURNS ? closing_of(p, at) : lasting(p, at);
+    return event == TURNS ? closing_of(p, at) : event == ENDS ? lasting(p, at) : gripping(p, at);
 }
 
 /* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois),
- * and bisection where that is slow. `to` and `yield` are those of the whole piece and become those of the part. */
+ * and bisection where that is slow. What should have happened before the piece begins happens where it does; from a
+ * value of zero a slider may grip better first, but not for less than a millionth of the step. `to` and `yield` are
+ * those of the whole piece and become those of the part. */
 static void shorten(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *from,
                     struct nearness near, double *time, struct scree_pair_instant *to, struct scree_pair_yield *yield) {
-    double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to), size = at_low;
-    for (int k = 0, kept = 0; k < TRIES && at_low > 0.0; k++) {
+    double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to);
+    double size = fabs(at_low - at_high);
+    int slips = event == SLIPS, tried = !slips || at_low > 0.0;
+    for (int k = 0, kept = 0; k < TRIES && (at_low > 0.0 || slips); k++) {
         double t = high - at_high * (high - low) / (at_high - at_low);
         if (k % 4 == 3) t = 0.5 * (low + high);
+        if (!tried) t = fmin(1e-6 * p->step, high);
         if (event == ENDS && near.until >= 0.0) near.until = t; /* there is the singular point */
         *to = go(p, from, near, t, yield);
         *time = t;
         double value = still(p, event, to);
-        if (fabs(value) <= 1e-13 * size) return;
+        if (fabs(value) <= 1e-13 * size || (!tried && !(value > 0.0))) return;
+        tried = 1;
         if (value > 0.0) {
             low = t;
             at_low = value;
@@ -341,31 +472,20 @@ static int shorten_to_bend(const struct scree_pair_motion *p, const struct scree
     return 1;
 }
 
-/* A slider that has held until now doesn't any more. */
-static int breaks_loose(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
-    struct scree_pair_instant now = *at;
-    struct scree_pair_load load;
-    scree_pair_press(p, &now, &load);
-    rub(p, &now, &load);
-    return now.sliding > 0.0 && !(at->sliding > 0.0);
-}
-
-/* Where a slider breaks loose its force leaves that of the spring, with a kink or a jump. If it does within the piece,
- * the piece is shortened to end there, as if it held up to then. */
+/* Where a slider breaks loose or holds again within the piece, which is shortened to end there. Returns whether it
+ * does. One with a dashpot may have to at once: its force jumps where others do. */
 static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                            struct nearness near, double *time, struct scree_pair_instant *to,
                            struct scree_pair_yield *yield) {
-    if (!p->trial || from->sliding > 0.0 || !breaks_loose(p, to) || breaks_loose(p, from)) return 0;
-    struct scree_pair_motion holding = *p;
-    holding.holds = 1;
-    double low = 0.0, high = *time;
-    for (int k = 0; k < TRIES; k++) {
-        double t = 0.5 * (low + high);
-        *to = go(&holding, from, near, t, yield);
-        *(breaks_loose(p, to) ? &high : &low) = t;
+    if (!p->slider) return 0;
+    if (!p->bare && gripping(p, from) < -1e-9 * grip_of(p, from)) {
+        *to = *from;
+        *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+        *time = 0.0;
+        return 1;
     }
-    *to = go(&holding, from, near, high, yield);
-    *time = high;
+    if (!(gripping(p, to) < 0.0)) return 0;
+    shorten(p, SLIPS, from, near, time, to, yield);
     return 1;
 }
 
@@ -393,7 +513,7 @@ static void fly(const struct scree_pair_motion *p, struct scree_pair_instant *at
 static double touch(const struct scree_pair_motion *p, struct scree_pair_instant *at, double start,
                     struct scree_pair_yield *sum) {
     double time = start, grid = (p->step - start) / p->substeps;
-    for (int k = 0, turned = 0; time < p->step && k < p->substeps;) {
+    for (int k = 0, turned = 0, slipped = 0; time < p->step && k < p->substeps;) {
         struct scree_pair_yield part;
         struct nearness near = nearness_of(p, at, p->step - time);
         int last = near.since >= 0.0 || near.until >= 0.0 || k == p->substeps - 1;
@@ -413,13 +533,14 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
         int ends = !turns && lasting(p, &to) < 0.0;
         if (ends) shorten(p, ENDS, at, near, &piece, &to, &part);
         if (ends && !(lasting(p, at) > 0.0)) return time; /* it ends before it begins */
-        int slips = shorten_to_slip(p, at, near, &piece, &to, &part);
+        int slips = slipped < MOST_SLIPS && shorten_to_slip(p, at, near, &piece, &to, &part);
         if (slips) turns = ends = 0;
+        slipped += slips;
         time = turns || bent || ends || slips ? time + piece : goal;
         if (!(time < p->step)) time = p->step;
         add(sum, &part, p->step - time);
         *at = to;
-        if (slips) at->sliding = 1.0;
+        if (slips) at->sliding = at->sliding > 0.0 ? 0.0 : 1.0;
         turned = turns;
         if (ends) return time;
         if (time == goal) k = last ? p->substeps : k + 1;

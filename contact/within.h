@@ -19,8 +19,8 @@ struct scree_pair_motion {
     double reach;         /* largest gap that a pulling contact bridges, m */
     double step;
     int root, substeps;
-    int trial;      /* friction is a slider behind a bare spring */
-    int holds;      /* reckon as if that slider held whatever comes */
+    int slider;     /* friction is a slider behind a spring */
+    int bare;       /* which has no dashpot beside it */
     int turns;      /* force may change its formula where approach turns into parting */
     int books;      /* energy is looked at */
     double muffled; /* how many times slower the normal law is told that they close in (scree_muffled) */

@@ -479,6 +479,7 @@ static struct vec impulse_by_hand(const scree_scene *scene, const struct scree_r
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     if (!friction->memory) return vec_scale(h, vec_add(force, touch.tangential));
     struct scree_sliding at = {.normal = fmax(touch.normal_force, 0.0), .overlap = touch.overlap, .half = 0.5 * h};
+    at.closing = touch.closing;
     at.velocity = touch.slip;
     struct scree_pair_constants pair = {{0.0}};
     double mass = scree_effective_mass(&scene->bodies, touch.ball, touch.host) / rule->share;

@@ -378,8 +378,8 @@ static double worst_strike(const struct oblique *o, double n, int substeps, doub
  * of angular frequency w = 3100/s, pi (w h)^4/120 of the speed, with two substeps at 20 steps a contact, one at 50, and
  * four: 9e-6, 3.6e-6; 5e-7, 1.4e-8. Where force sets in as a root of the overlap, the clock of the root errs by as much
  * whatever the substeps are: its first step is of a quarter of the root, and what it misses there goes like the impulse
- * of a step. Of others, bounds are those of the prototype's worst law, 1.6e-3 and 2.4e-4 with two substeps, 4.3e-4
- * and 6.6e-5 with four; second order. */
+ * of a step. Of others: second order, since levers stay those of the start of a step, up to u h/(4 R) = 2e-3 of them
+ * too long, which approach and parting make good but for a tenth; and behind a dashpot a slider's way, by substeps. */
 static void test_oblique(void) {
     static const struct oblique cases[] = {
         {"normal = { law=\"linear-cut\", stiffness=1e5, restitution=0.5 }\nfriction = { law=\"coulomb\", static=0.3, "
@@ -400,6 +400,15 @@ static void test_oblique(void) {
         {"normal = { law=\"hunt-crossley\", stiffness=5e6, exponent=1.5, restitution=0.5, speed=1.0 }\n"
          "friction = { law=\"mindlin-rescaled\", static=0.3, kinetic=0.3, shear_modulus=8e6 }",
          1.8e-3, 0},
+        {"normal = { law=\"hertz\", stiffness=5e6 }\nfriction = { law=\"mindlin-incremental\", static=0.4, "
+         "kinetic=0.3, shear_modulus=8e6 }",
+         1.66e-3, 0},
+        {"normal = { law=\"hertz\", stiffness=5e6 }\nfriction = { law=\"mindlin-incremental\", static=0.4, "
+         "kinetic=0.3, shear_modulus=8e6, damping=0.2 }",
+         1.66e-3, 0},
+        {"normal = { law=\"tsuji-cut\", stiffness=5e6, restitution=0.5 }\nfriction = { law=\"mindlin-rescaled\", "
+         "static=0.3, kinetic=0.3, shear_modulus=8e6, damping=0.2 }",
+         1.83e-3, 0},
     };
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
         double fine[12][2], plain[2];
@@ -414,7 +423,7 @@ static void test_oblique(void) {
             NEAR(fine[k][1], plain[1], c < 2 ? 5e-6 : 2.1e-4);
         }
         static const double bounds[3][2][2] = {
-            {{1.6e-3, 2.5e-4}, {5e-4, 7e-5}}, {{9e-6, 3.6e-6}, {5e-7, 1.4e-8}}, {{9e-6, 3.6e-6}, {9e-6, 3.6e-6}}};
+            {{3e-4, 4.8e-5}, {2e-4, 3.2e-5}}, {{9e-6, 3.6e-6}, {5e-7, 1.4e-8}}, {{9e-6, 3.6e-6}, {9e-6, 3.6e-6}}};
         const double(*bound)[2] = bounds[cases[c].wide];
         for (int s = 0; s < 2; s++) {
             double at20 = worst_strike(&cases[c], 20.0, s ? 4 : 0, fine);
