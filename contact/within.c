@@ -478,7 +478,8 @@ static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree
                            struct nearness near, double *time, struct scree_pair_instant *to,
                            struct scree_pair_yield *yield) {
     if (!p->slider) return 0;
-    if (!p->bare && gripping(p, from) < -1e-9 * grip_of(p, from)) {
+    double grips = p->bare ? 0.0 : gripping(p, from);
+    if (grips < 0.0 && grips < -1e-9 * grip_of(p, from)) {
         *to = *from;
         *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
         *time = 0.0;
