@@ -22,8 +22,9 @@ struct smooth_laws {
     hold_law *hold; /* friction is a slider behind a spring and a dashpot (slider.h); NULL: there is none */
     at_overlap *stiffness, *damping;
     int cut, root;
-    int bare; /* the spring has no dashpot beside it */
-    int none; /* there is no such pass */
+    int bare;      /* the spring has no dashpot beside it */
+    int all_stick; /* no slider of the loop slides: how one does isn't reckoned */
+    int none;      /* there is no such pass */
 };
 
 /* Columns of what stays during a step. */
@@ -133,6 +134,8 @@ static SCREE_INLINE struct vec trial_at(const struct stage *at) {
 static SCREE_INLINE void hold_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
     brace_stage(laws, lane, at);
     struct vec trial = trial_at(at);
+    at->force = vec_scale(-1.0, trial);
+    if (laws.all_stick) return;
     double scale = at->slides > 0.0 ? at->limit / (vec_norm(trial) + SCREE_NO_SPEED) : 1.0;
     at->force = vec_scale(-scale, trial);
     if (laws.bare) at->s = vec_scale(scale, at->s);
@@ -142,13 +145,14 @@ static SCREE_INLINE void hold_stage(struct smooth_laws laws, const struct smooth
 static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *first,
                                     double time, struct stage *at) {
     brace_stage(laws, lane, at);
+    at->force = vec_scale(-1.0, trial_at(at));
+    if (laws.all_stick) return;
     struct scree_drawn before = {
         first->stiffness, first->drag, first->limit, first->slip, vec_scale(-1.0, first->force), first->s};
     struct scree_drawn drawn = {.k = at->stiffness, .drag = at->drag, .limit = at->limit, .slip = at->slip};
     scree_draw_on(&before, 1.0, time, laws.bare, &drawn);
-    struct vec held = trial_at(at);
     at->s = at->slides > 0.0 ? drawn.stretch : at->s;
-    at->force = vec_scale(-1.0, at->slides > 0.0 ? drawn.carries : held);
+    at->force = at->slides > 0.0 ? vec_scale(-1.0, drawn.carries) : at->force;
 }
 
 /* The stage that follows from the rates of `at`. */

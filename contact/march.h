@@ -23,6 +23,11 @@ struct smooth_loops {
     _Pragma("omp simd")                                                                                                \
     for (int k = 0; k < padded(count); k++) __VA_ARGS__
 
+/* The same of the lanes of one vector, `from` on. */
+#define SMOOTH_VECTOR(...)                                                                                             \
+    _Pragma("omp simd")                                                                                                \
+    for (int k = from; k < from + WIDTH; k++) __VA_ARGS__
+
 /* The contacts of a rule in a step. */
 struct smooth_pass {
     const struct smooth_loops *loops; /* NULL: there are none */

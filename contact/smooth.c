@@ -16,6 +16,13 @@
 
 /* ---- passes ---- */
 
+/* Whether no slider of a vector of lanes slides, so that how one does needn't be reckoned: most stick in a bed. */
+static int all_stick(const struct course *c, int from) {
+    int slides = 0;
+    for (int k = from; k < from + WIDTH; k++) slides |= c->slides[k] > 0.0;
+    return !slides;
+}
+
 #define SMOOTH_PASS(name, ...)                                                                                         \
     __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, double step, \
                                                              int asked, int count, struct course *c,                   \
@@ -27,9 +34,15 @@
     __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct motion *m, int count,  \
                                                           double step, struct course *c, struct stride *to) {          \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
+        struct smooth_laws sticking = laws;                                                                            \
         struct scree_rule constants = *rule;                                                                           \
+        sticking.all_stick = 1;                                                                                        \
         if (laws.none) return;                                                                                         \
-        SMOOTH_LOOP(step_lane(laws, &constants, m, k, step, c, to);)                                                   \
+        for (int from = 0; from < padded(count); from += WIDTH)                                                        \
+            if (laws.hold && all_stick(c, from))                                                                       \
+                SMOOTH_VECTOR(step_lane(sticking, &constants, m, k, step, c, to);)                                     \
+            else                                                                                                       \
+                SMOOTH_VECTOR(step_lane(laws, &constants, m, k, step, c, to);)                                         \
     }                                                                                                                  \
     __attribute__((flatten)) static void smooth_tick_##name(const struct scree_rule *rule, struct motion *m,           \
                                                             int count, double step, struct course *c,                  \
