@@ -123,6 +123,11 @@ void scree_adaptive_switches(struct scree_scene *scene, const double *y, const d
 /* Begin what touches at y and closes in. Returns how many. */
 int scree_adaptive_begin(struct scree_scene *scene);
 
+/* Where a slider that holds at both ends of the step of length h that was just tried may have broken loose in between,
+ * in the variable of the step since its start: where the parabola through both ends and the middle of a cubic is least,
+ * if that is near zero. 0: nowhere. One evaluation. */
+double scree_adaptive_doubt(struct scree_scene *scene, double h);
+
 /* Whether phases changed in the step of length h that was just tried. If so, repeats it up to the first change, which
  * is then made; *h becomes the length. */
 int scree_adaptive_event(struct scree_scene *scene, double *h);

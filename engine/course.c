@@ -331,13 +331,16 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
             scree_adaptive_rates(scene, a->arrived, a->next);
             a->every = 0;
             double sooner = c->looked ? 0.0 : doubtful(a, h);
+            if (!(sooner > 0.0)) {
+                scree_adaptive_switches(scene, a->arrived, a->next, a->value);
+                sooner = c->looked ? 0.0 : scree_adaptive_doubt(scene, h);
+            }
             if (sooner > 0.0) {
                 c->looked = 1;
                 h = sooner;
                 scene->effort.rejected++;
                 continue;
             }
-            scree_adaptive_switches(scene, a->arrived, a->next, a->value);
             return take(scene, c, h, error, tries);
         }
         scene->effort.rejected++;

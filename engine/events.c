@@ -181,6 +181,46 @@ static double locate(struct scree_scene *scene, struct event event, double h) {
     return x1;
 }
 
+/* ---- what both ends of a step don't show ---- */
+
+static int sticks(const struct scree_grip *grip, int way) {
+    return grip->state == SCREE_GRIP_HELD && scree_grip_is_slider(grip, way) && !grip->slips[way];
+}
+
+/* Where the parabola through values at the begin, the middle and the end is least, as a share of the step, if that is
+ * well inside and less than a fifth of either end; 1: it isn't. What is next to nothing at an end isn't looked into. */
+static double dips_at(double begin, double middle, double end) {
+    double slope = 4.0 * middle - 3.0 * begin - end, bend = 2.0 * (begin + end - 2.0 * middle);
+    double at = bend > 0.0 ? -0.5 * slope / bend : 0.0;
+    if (!(at > 0.05 && at < 0.95) || fmin(begin, end) < 1e-6) return 1.0;
+    return begin + 0.5 * slope * at < 0.2 * fmin(begin, end) ? at : 1.0;
+}
+
+double scree_adaptive_doubt(struct scree_scene *scene, double h) {
+    struct scree_adaptive *a = scene->adaptive;
+    struct scree_grip_view *now = a->view;
+    double *middle = a->work.stage, soonest = 1.0;
+    int any = 0;
+    for (int k = 0; k < a->grips && !any; k++)
+        for (int way = 0; way < SCREE_GRIP_WAYS; way++) any |= sticks(&a->grip[k], way);
+    if (!any || first_event(scene).grip >= 0) return 0.0;
+    for (size_t i = 0; i < a->work.size; i++)
+        middle[i] = 0.5 * (a->y[i] + a->arrived[i]) + 0.125 * h * (a->work.k[0][i] - a->next[i]);
+    a->view = a->later;
+    scree_adaptive_rates(scene, middle, a->work.end);
+    a->view = now;
+    for (int k = 0; k < a->grips; k++) {
+        double value[SCREE_SWITCHES];
+        scree_grip_switches(&a->grip[k], &a->later[k], NULL, NULL, 0.0, value);
+        for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++)
+            if (sticks(&a->grip[k], way)) soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w]));
+    }
+    scree_adaptive_place(scene, a->arrived);
+    return soonest < 1.0 ? soonest * h : 0.0;
+}
+
+/* ---- changes ---- */
+
 /* Near the border of sticking and slipping rounding decides between them, again and again: one step then goes on with
  * what it has. */
 static void note_slide(struct scree_grip *grip, int way, double time) {
