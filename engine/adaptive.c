@@ -47,6 +47,7 @@ void scree_adaptive_destroy(struct scree_scene *scene) {
     free(a->view);
     free(a->sooner);
     free(a->later);
+    free(a->halfway);
     free(a->value);
     free(a->before);
     free(a);
@@ -73,6 +74,7 @@ static scree_status make_room(struct scree_scene *scene, int grips) {
     a->view = grown(a->view, capacity, sizeof *a->view, &failed);
     a->sooner = grown(a->sooner, capacity, sizeof *a->sooner, &failed);
     a->later = grown(a->later, capacity, sizeof *a->later, &failed);
+    a->halfway = grown(a->halfway, capacity, sizeof *a->halfway, &failed);
     a->value = grown(a->value, capacity, sizeof *a->value, &failed);
     a->before = grown(a->before, capacity, sizeof *a->before, &failed);
     if (failed) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "no memory for %d contacts", grips);

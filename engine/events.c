@@ -68,16 +68,18 @@ static struct apart look_around(struct scree_scene *scene, const double *y, cons
     return (struct apart){time, 2.0 * little};
 }
 
+static void switches_of(const struct scree_adaptive *a, int k, struct apart apart, double value[SCREE_SWITCHES]) {
+    double own = k == a->clock ? apart.own : apart.others;
+    int around = own > 0.0;
+    scree_grip_switches(&a->grip[k], &a->view[k], around ? &a->sooner[k] : NULL, around ? &a->later[k] : NULL, own,
+                        value);
+}
+
 void scree_adaptive_switches(struct scree_scene *scene, const double *y, const double *rates,
                              double (*value)[SCREE_SWITCHES]) {
     struct scree_adaptive *a = scene->adaptive;
     struct apart apart = look_around(scene, y, rates);
-    for (int k = 0; k < a->grips; k++) {
-        double own = k == a->clock ? apart.own : apart.others;
-        int around = own > 0.0;
-        scree_grip_switches(&a->grip[k], &a->view[k], around ? &a->sooner[k] : NULL, around ? &a->later[k] : NULL, own,
-                            value[k]);
-    }
+    for (int k = 0; k < a->grips; k++) switches_of(a, k, apart, value[k]);
 }
 
 int scree_adaptive_begin(struct scree_scene *scene) {
@@ -183,8 +185,8 @@ static double locate(struct scree_scene *scene, struct event event, double h) {
 
 /* ---- what both ends of a step don't show ---- */
 
-static int sticks(const struct scree_grip *grip, int way) {
-    return grip->state == SCREE_GRIP_HELD && scree_grip_is_slider(grip, way) && !grip->slips[way];
+static int grips(const struct scree_grip *grip, int way) {
+    return grip->state == SCREE_GRIP_HELD && scree_grip_is_slider(grip, way);
 }
 
 /* Where the parabola through values at the begin, the middle and the end is least, as a share of the step, if that is
@@ -198,23 +200,26 @@ static double dips_at(double begin, double middle, double end) {
 
 double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     struct scree_adaptive *a = scene->adaptive;
-    struct scree_grip_view *now = a->view;
-    double *middle = a->work.stage, soonest = 1.0;
+    struct scree_grip_view *end = a->view;
+    double *middle = a->work.k[1], *rates = a->work.k[2], soonest = 1.0; /* stages are done with */
     int any = 0;
     for (int k = 0; k < a->grips && !any; k++)
-        for (int way = 0; way < SCREE_GRIP_WAYS; way++) any |= sticks(&a->grip[k], way);
+        for (int way = 0; way < SCREE_GRIP_WAYS; way++) any |= grips(&a->grip[k], way);
     if (!any || first_event(scene).grip >= 0) return 0.0;
     for (size_t i = 0; i < a->work.size; i++)
         middle[i] = 0.5 * (a->y[i] + a->arrived[i]) + 0.125 * h * (a->work.k[0][i] - a->next[i]);
-    a->view = a->later;
-    scree_adaptive_rates(scene, middle, a->work.end);
-    a->view = now;
+    a->view = a->halfway;
+    scree_adaptive_rates(scene, middle, rates);
+    struct apart apart = look_around(scene, middle, rates);
     for (int k = 0; k < a->grips; k++) {
         double value[SCREE_SWITCHES];
-        scree_grip_switches(&a->grip[k], &a->later[k], NULL, NULL, 0.0, value);
-        for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++)
-            if (sticks(&a->grip[k], way)) soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w]));
+        for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++) {
+            if (!grips(&a->grip[k], way)) continue;
+            switches_of(a, k, apart, value);
+            soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w]));
+        }
     }
+    a->view = end;
     scree_adaptive_place(scene, a->arrived);
     return soonest < 1.0 ? soonest * h : 0.0;
 }
