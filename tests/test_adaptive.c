@@ -675,7 +675,7 @@ static void test_slides_beside_clocks(void) {
 }
 
 /* A slider that swings up to what it holds, breaks loose and holds again, or that slips and holds for a while, all
- * within a step of some tolerances: with static and kinetic coefficients different that tells by 1e-3 m/s and more. */
+ * within a step of some tolerances: with static and kinetic coefficients different that tells by 4e-4 m/s and more. */
 static void test_changes_within_a_step(void) {
     static const char text[] =
         "[time]\nend = 0.0012\nforce = true\n[[material]]\nname = \"m\"\ndensity = 2500\nyoung = 1e7\n"
