@@ -110,12 +110,13 @@ static double stored(const struct scree_pair_motion *p, const struct scree_pair_
 }
 
 /* The four stages of one Runge-Kutta step: times since the first, s; `along` is dt/d(variable) at each. Of a slider,
- * what it remembers is its force or, if `in_stretch`, its stretch; as `rate`, m/s or N/s, it goes on. */
+ * what it is at the first; what it remembers is its force or, if `in_stretch`, its stretch, which goes on at `rate`,
+ * N/s or m/s. */
 struct stages {
     struct scree_pair_instant at[4];
     struct scree_pair_load load[4];
     double time[4], along[4];
-    struct scree_drawn drawn[4];
+    struct scree_drawn first;
     struct vec rate[4];
     int in_stretch;
 };
@@ -139,7 +140,7 @@ static void push_back(const struct scree_drawn *drawn, struct scree_pair_load *l
 /* A slider where a step begins. A bare spring that slides has the stretch of its force. */
 static void grip_first(const struct scree_pair_motion *p, struct stages *s, double time) {
     struct scree_pair_instant *at = &s->at[0];
-    struct scree_drawn *drawn = &s->drawn[0];
+    struct scree_drawn *drawn = &s->first;
     *drawn = brace(p, at, s->load[0].normal);
     s->in_stretch = goes_by_stretch(p, at, s->load[0].normal, time);
     drawn->stretch = p->friction->in_force ? vec_scale(1.0 / drawn->k, at->stretch) : at->stretch;
@@ -155,7 +156,7 @@ static void grip_first(const struct scree_pair_motion *p, struct stages *s, doub
  * keeps is put there. */
 static struct scree_drawn grip_later(const struct scree_pair_motion *p, const struct stages *s, double time,
                                      struct vec remembers, double normal, struct scree_pair_instant *at) {
-    struct scree_drawn drawn = brace(p, at, normal), first = s->drawn[0];
+    struct scree_drawn drawn = brace(p, at, normal), first = s->first;
     double share = s->in_stretch ? 1.0 : first.k / drawn.k, unit = s->in_stretch ? 1.0 : drawn.k;
     if (at->sliding > 0.0) {
         if (!s->in_stretch) first.stretch = vec_scale(1.0 / drawn.k, s->at[0].stretch);
@@ -178,12 +179,12 @@ static void load_stage(const struct scree_pair_motion *p, struct stages *s, int 
     load->rubbing = 0.0;
     if (p->slider && k == 0) {
         grip_first(p, s, time);
-        push_back(&s->drawn[0], load);
+        push_back(&s->first, load);
     } else if (p->slider) {
         struct vec remembers = vec_axpy(s->at[0].stretch, share, s->rate[k - 1]);
-        s->drawn[k] = grip_later(p, s, s->time[k], remembers, load->normal, at);
-        s->rate[k] = vec_scale(s->in_stretch ? 1.0 : s->drawn[k].k, s->drawn[k].slip);
-        push_back(&s->drawn[k], load);
+        struct scree_drawn drawn = grip_later(p, s, s->time[k], remembers, load->normal, at);
+        s->rate[k] = vec_scale(s->in_stretch ? 1.0 : drawn.k, drawn.slip);
+        push_back(&drawn, load);
     } else if (p->friction) {
         if (p->friction->memory && k > 0) drag(p, &s->at[0], &s->at[k - 1], load->normal, share, at);
         rub(p, at, load);

@@ -213,11 +213,10 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     struct apart apart = look_around(scene, middle, rates);
     for (int k = 0; k < a->grips; k++) {
         double value[SCREE_SWITCHES];
-        for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++) {
-            if (!grips(&a->grip[k], way)) continue;
-            switches_of(a, k, apart, value);
-            soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w]));
-        }
+        if (a->grip[k].state != SCREE_GRIP_HELD) continue; /* the halfway view has only those */
+        switches_of(a, k, apart, value);
+        for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++)
+            if (grips(&a->grip[k], way)) soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w]));
     }
     a->view = end;
     scree_adaptive_place(scene, a->arrived);
