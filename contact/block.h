@@ -311,7 +311,8 @@ enum {
 };
 
 static SCREE_INLINE int events_at(const struct block *b, int k, double step, double most, struct sizes sizes) {
-    int changes = !(fabs(b->overlap[k]) >= step * fabs(b->closing[k]) + SCREE_NO_SPEED) ? CHANGES : 0;
+    double way = 0.5 * SCREE_NEW * step * fabs(b->closing[k]) + SCREE_NO_SPEED;
+    int changes = !(fabs(b->overlap[k]) >= way) ? CHANGES : 0;
     return changes | (!(b->overlap[k] <= most * limit_of(b, k, sizes)) ? DEEPER : 0);
 }
 
@@ -470,23 +471,11 @@ static inline int see(struct block *b, int count, struct wants wants) {
     return events;
 }
 
-/* Share of the step during which bodies touch that have `met` by so much of half a step's way in its middle: 1 or 0,
- * but for the steps in which they meet or part. */
-static SCREE_INLINE double share_of(double met) {
-    double share = 0.5 + 0.5 * met;
-    share = share < 1.0 ? share : 1.0;
-    return share > 0.0 ? share : 0.0;
-}
-
-static SCREE_INLINE double met_by(double overlap, double closing, double step) {
-    return overlap / (0.5 * step * fabs(closing) + SCREE_NO_SPEED);
-}
-
 static inline void share_out(int count, double step, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        b->met[k] = met_by(b->overlap[k], b->closing[k], step);
-        b->share[k] = share_of(b->met[k]);
+        b->met[k] = scree_met_lately(scree_met_by(b->overlap[k], b->closing[k], step));
+        b->share[k] = scree_share_of(b->met[k]);
     }
 }
 

@@ -243,6 +243,19 @@ static void press_normal(const struct scree_grip *grip, struct scree_grip_view *
     view->force = grip->state == SCREE_GRIP_HELD ? view->whole : 0.0;
 }
 
+/* What each way resists, also of a contact that is about to begin. */
+static void set_velocities(const struct scree_grip *grip, const struct scree_bodies *bodies,
+                           struct scree_grip_view *view) {
+    view->velocity[SCREE_GRIP_FRICTION] = view->slip;
+    view->velocity[SCREE_GRIP_ROLLING] = view->velocity[SCREE_GRIP_TWISTING] = vec(0.0, 0.0, 0.0);
+    if (!grip->rolling) return;
+    struct vec spin = vec_sub(scree_spin_of(bodies, grip->contact.ball), scree_spin_of(bodies, grip->contact.host));
+    struct vec velocity = vec_scale(grip->lever, spin);
+    double along = vec_dot(velocity, view->normal);
+    view->velocity[SCREE_GRIP_ROLLING] = vec_axpy(velocity, -along, view->normal);
+    view->velocity[SCREE_GRIP_TWISTING] = vec(along, 0.0, 0.0);
+}
+
 void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *bodies, const double *memory,
                       struct scree_grip_view *view) {
     struct vec n = view->normal, zero = {0.0, 0.0, 0.0};
@@ -251,9 +264,10 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     view->torque = zero;
     view->rubbing = 0.0;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
-        view->rate[way] = view->elastic[way] = view->velocity[way] = zero;
+        view->rate[way] = view->elastic[way] = zero;
         view->stiffness[way] = view->damping_of[way] = view->holds[way] = view->slides[way] = 0.0;
     }
+    set_velocities(grip, bodies, view);
     if (grip->state != SCREE_GRIP_HELD || (!grip->friction && !grip->rolling)) return;
     double normal = grip->pulling ? 0.0 : fmax(view->force, 0.0);
     const struct scree_record *ball = &bodies->record[grip->contact.ball];
@@ -266,23 +280,19 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
         turning = normal_rate(grip, bodies, centre, centre_velocity, n);
     if (grip->friction) {
         struct vec stretch = vec_from(memory + 3 * SCREE_GRIP_FRICTION);
-        view->velocity[SCREE_GRIP_FRICTION] = view->slip;
         struct vec force = resist(grip, SCREE_GRIP_FRICTION, normal, scree_into_tangent_plane(stretch, n), view);
         view->push = vec_add(view->push, force);
         view->rubbing -= vec_dot(force, view->slip);
         view->rate[SCREE_GRIP_FRICTION] = vec_axpy(view->rate[SCREE_GRIP_FRICTION], -vec_dot(stretch, turning), n);
     }
     if (!grip->rolling) return;
-    struct vec velocity = vec_scale(grip->lever, vec_sub(ball_spin, scree_spin_of(bodies, grip->contact.host)));
-    double along = vec_dot(velocity, n);
     struct vec stretch = vec_from(memory + 3 * SCREE_GRIP_ROLLING);
-    view->velocity[SCREE_GRIP_ROLLING] = vec_axpy(velocity, -along, n);
-    view->velocity[SCREE_GRIP_TWISTING] = vec(along, 0.0, 0.0);
     struct vec rolling = resist(grip, SCREE_GRIP_ROLLING, normal, scree_into_tangent_plane(stretch, n), view);
     struct vec twisting = resist(grip, SCREE_GRIP_TWISTING, normal, vec_from(memory + 3 * SCREE_GRIP_TWISTING), view);
     view->rate[SCREE_GRIP_ROLLING] = vec_axpy(view->rate[SCREE_GRIP_ROLLING], -vec_dot(stretch, turning), n);
     view->torque = vec_scale(grip->lever, vec_axpy(rolling, twisting.x, n));
-    view->rubbing -= vec_dot(rolling, view->velocity[SCREE_GRIP_ROLLING]) + twisting.x * along;
+    view->rubbing -= vec_dot(rolling, view->velocity[SCREE_GRIP_ROLLING]);
+    view->rubbing -= twisting.x * view->velocity[SCREE_GRIP_TWISTING].x;
 }
 
 double scree_grip_peak(const struct scree_grip *grip, const struct scree_grip_view *view) {

@@ -30,23 +30,46 @@ static void set_scales(struct scree_grip *grip, double overlap, double closing) 
 
 /* ---- how a contact begins ---- */
 
-/* Whether a slider that starts without stretch slips from the first touch on: what it would carry at a tiny overlap if
- * it stuck, against what it holds there. The force of the spring by Simpson's rule in the root of the overlap. */
-static int slips_at_once(const struct scree_grip *grip, const struct scree_grip_view *view) {
+/* Dashpot of a slider, N s/m. */
+static double damping_at(const struct scree_grip *grip, int way, double overlap) {
+    if (way != SCREE_GRIP_FRICTION) return grip->rolling->damping(&grip->rule->rolling_constants);
+    return grip->friction->damping(&grip->rule->friction_constants, grip->of_friction, overlap);
+}
+
+/* The force of friction's spring at a small overlap over the way since the touch, by Simpson's rule in the root of the
+ * overlap. */
+static double mean_stiffness(const struct scree_grip *grip, double overlap) {
     const struct scree_friction_law *law = grip->friction;
     const struct scree_law_constants *constants = &grip->rule->friction_constants;
-    if (!(view->closing > 0.0)) return 0;
-    double d = 1e-8 * grip->depth, sum = 0.0;
+    double sum = 0.0;
+    if (!law->in_force) return law->stiffness(constants, grip->of_friction, overlap);
     for (int k = 0; k <= 2; k++) {
-        double q = 0.5 * k, k_t = law->stiffness(constants, grip->of_friction, d * q * q);
+        double q = 0.5 * k, k_t = law->stiffness(constants, grip->of_friction, overlap * q * q);
         sum += (k == 1 ? 4.0 : 1.0) / 6.0 * 2.0 * q * k_t;
     }
-    double stiffness = law->in_force ? sum : law->stiffness(constants, grip->of_friction, d);
-    double time = d / view->closing, damping = law->damping(constants, grip->of_friction, d);
+    return sum;
+}
+
+/* Whether a slider that starts without stretch slips from the first touch on: what it would carry at a tiny overlap if
+ * it stuck, against what it holds there. */
+static int slips_at_once(const struct scree_grip *grip, int way, const struct scree_grip_view *view) {
+    if (!(view->closing > 0.0)) return 0;
+    double d = 1e-8 * grip->depth, time = d / view->closing, speed = vec_norm(view->velocity[way]);
     struct scree_normal_force f = law_at(grip, d, view->closing);
-    double normal = fmax(f.elastic + f.damping * view->closing, 0.0), speed = vec_norm(view->slip);
+    double normal = fmax(f.elastic + f.damping * view->closing, 0.0), damping = damping_at(grip, way, d);
+    if (way != SCREE_GRIP_FRICTION)
+        return (scree_grip_stiffness(grip, way, d) * time + damping) * speed > scree_grip_slides(grip, way, normal);
     struct scree_sliding at = {.normal = normal, .overlap = d, .velocity = view->slip};
-    return (stiffness * time + damping) * speed > law->hold(constants, at).holds;
+    double holds = grip->friction->hold(&grip->rule->friction_constants, at).holds;
+    return (mean_stiffness(grip, d) * time + damping) * speed > holds;
+}
+
+/* A way slips from its first stretch on; where it has no dashpot, along its velocity. */
+static void let_slip(struct scree_grip *grip, int way, const struct scree_grip_view *view, double *memory) {
+    double speed = vec_norm(view->velocity[way]);
+    grip->slips[way] = 1;
+    if (speed > 0.0 && damping_at(grip, way, grip->depth) == 0.0)
+        vec_store(vec_scale(1e-3 * grip->depth / speed, view->velocity[way]), memory + 3 * way);
 }
 
 /* How far the spring of each way is stretched while it slips under the load to come. */
@@ -64,11 +87,8 @@ static void begin_sideways(struct scree_grip *grip, const struct scree_grip_view
     memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
     memset(grip->slips, 0, sizeof grip->slips);
     set_longest(grip);
-    if (!scree_grip_is_slider(grip, SCREE_GRIP_FRICTION) || !slips_at_once(grip, view)) return;
-    const struct scree_law_constants *constants = &grip->rule->friction_constants;
-    grip->slips[SCREE_GRIP_FRICTION] = 1;
-    double speed = vec_norm(view->slip), damping = grip->friction->damping(constants, grip->of_friction, grip->depth);
-    if (speed > 0.0 && damping == 0.0) vec_store(vec_scale(1e-3 * grip->depth / speed, view->slip), memory);
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++)
+        if (scree_grip_is_slider(grip, way) && slips_at_once(grip, way, view)) let_slip(grip, way, view, memory);
 }
 
 /* Under no load yet a slider bears nothing: it slips, wherever a dashpot would push or a spring be stretched at once.
@@ -76,15 +96,8 @@ static void begin_sideways(struct scree_grip *grip, const struct scree_grip_view
 static void take_hold(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
     memset(grip->slips, 0, sizeof grip->slips);
-    double speed = vec_norm(view->slip);
-    if (scree_grip_is_slider(grip, SCREE_GRIP_FRICTION) && speed > 0.0) {
-        double damping = grip->friction->damping(&grip->rule->friction_constants, grip->of_friction, grip->depth);
-        grip->slips[SCREE_GRIP_FRICTION] = 1;
-        if (damping == 0.0) vec_store(vec_scale(1e-3 * grip->depth / speed, view->slip), memory);
-    }
-    int damped = grip->rolling && grip->rolling->damping(&grip->rule->rolling_constants) > 0.0;
-    for (int way = SCREE_GRIP_ROLLING; way < SCREE_GRIP_WAYS; way++)
-        grip->slips[way] = damped && scree_grip_is_slider(grip, way);
+    for (int way = 0; way < SCREE_GRIP_WAYS; way++)
+        if (scree_grip_is_slider(grip, way) && vec_norm(view->velocity[way]) > 0.0) let_slip(grip, way, view, memory);
 }
 
 /* Where a force that may pull passes through zero: the spring beside a slider's dashpot goes on slackening. */

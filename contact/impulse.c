@@ -246,9 +246,9 @@ static void keep(const struct scree_pair_motion *p, struct place place, const st
         kept[SCREE_KEPT_NORMAL + 1][k] = at->second;
     }
     if (p->friction && p->friction->memory) {
-        kept[0][k] = at->stretch.x;
-        kept[1][k] = at->stretch.y;
-        kept[2][k] = at->stretch.z;
+        kept[0][k] = at->stretch.x + 0.0; /* zeros have no sign */
+        kept[1][k] = at->stretch.y + 0.0;
+        kept[2][k] = at->stretch.z + 0.0;
         scree_keep(place.batch, SCREE_KEPT_STATE, k, at->sliding);
     }
 }
@@ -271,9 +271,9 @@ static struct vec past_of(const struct scree_batch *batch, int step, int k) {
 static void keep_past(const struct scree_batch *batch, int step, int k, struct vec impulse, double depth) {
     double *const *past = batch->past + SCREE_PAST_STEP * step;
     past[SCREE_PAST_DEPTH][k] = depth;
-    past[0][k] = impulse.x;
-    past[1][k] = impulse.y;
-    past[2][k] = impulse.z;
+    past[0][k] = impulse.x + 0.0; /* zeros have no sign */
+    past[1][k] = impulse.y + 0.0;
+    past[2][k] = impulse.z + 0.0;
 }
 
 /* Impulse and moment on both bodies, in the directions of mid-step. */
@@ -335,51 +335,88 @@ static void add_to(double column[3][SCREE_LANES], int lane, struct vec a) {
     column[2][lane] += a.z;
 }
 
-/* The rolling law of a contact that pressed with the mean force of `sum`, by the rule of loop.c: one evaluation at
- * mid-step, at the predicted spins. */
+/* The part of the step that is left where a contact begins in it: 1 in any other step. */
+static double part_left(const struct scree_bodies *bodies, struct place place, struct view middle, double step) {
+    if (vec_norm2(past_of(place.batch, 1, place.index)) > 0.0) return 1.0;
+    const struct scree_ends *contact = &place.batch->ends[place.index];
+    struct vec ball = vec_from(bodies->record[contact->ball].v), host = vec_from(bodies->record[contact->host].v);
+    double closing = -vec_dot(vec_sub(ball, host), middle.normal);
+    if (!(closing > 0.0)) return 1.0;
+    return fmax(scree_share_of(scree_met_by(middle.overlap, closing, step)), 1e-6);
+}
+
+/* Rolling and twisting as their law sees them, at mid-step and at the predicted spins. A stretch counts from the touch
+ * (scree_since_touch): of the step in which bodies meet the law sees the `time` after it. */
+struct turning {
+    struct scree_sliding rolling, twisting;
+    double time;
+};
+
+static struct turning turning_of(const struct scree_bodies *bodies, struct place place, struct view middle,
+                                 double impulse, double *const *own, double step) {
+    const struct scree_ends *contact = &place.batch->ends[place.index];
+    int k = place.index;
+    struct vec spin = vec_sub(scree_spin_of(bodies, contact->ball), scree_spin_of(bodies, contact->host));
+    struct vec velocity = vec_scale(scree_pair(place.batch, SCREE_PAIR_LEVER, k), spin), n = middle.normal;
+    double along = vec_dot(velocity, n), time = step * part_left(bodies, place, middle, step);
+    struct scree_sliding at = {
+        .normal = impulse > 0.0 ? impulse / time : 0.0, .overlap = middle.overlap, .half = 0.5 * time};
+    struct turning t = {at, at, time};
+    t.rolling.velocity = vec_axpy(velocity, -along, n);
+    t.twisting.velocity = vec(along, 0.0, 0.0);
+    if (!own) return t;
+    t.rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);
+    t.rolling.sliding = own[3][k];
+    t.twisting.stretch = vec(own[4][k], 0.0, 0.0);
+    t.twisting.sliding = own[5][k];
+    return t;
+}
+
+/* One evaluation of the law. What slides behind a spring keeps a stretch that is late by half of what the law has seen,
+ * or by a part of that (contact/slider.h), and will be taken to be late by that of a whole step. */
+static struct scree_tangential resist(const struct scree_rolling_law *law, const struct scree_law_constants *constants,
+                                      double coefficient, struct scree_sliding at, double step) {
+    struct scree_tangential f = law->resist(constants, coefficient, at);
+    double more = at.half - 0.5 * step;
+    if (!(more < 0.0) || !(f.sliding > 0.0)) return f;
+    double stiff = at.half * law->stiffness(constants), late = stiff / (law->damping(constants) + stiff);
+    f.stretch = vec_axpy(f.stretch, more * late, at.velocity);
+    return f;
+}
+
+static void keep_turning(double *const *own, int k, int touches, struct scree_tangential r, struct scree_tangential s) {
+    own[0][k] = touches * r.stretch.x + 0.0; /* zeros have no sign */
+    own[1][k] = touches * r.stretch.y + 0.0;
+    own[2][k] = touches * r.stretch.z + 0.0;
+    own[3][k] = touches * r.sliding;
+    own[4][k] = touches * s.stretch.x + 0.0;
+    own[5][k] = touches * s.sliding;
+}
+
+/* The rolling law of a contact that pressed with an impulse, by the rule of loop.c. */
 static void roll(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct place place,
-                 struct view middle, double normal, int touches, double step) {
+                 struct view middle, double impulse, int touches, double step) {
     const struct scree_rule *rule = &contacts->rule[place.batch->rule];
     if (rule->rolling < 0) return;
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
-    const struct scree_ends *contact = &place.batch->ends[place.index];
     struct scree_yield *yield = place.yield;
     struct scree_moments *moments = place.moments;
     double *const *own = law->memory ? place.batch->kept + SCREE_KEPT_ROLLING : NULL;
+    int lane = place.lane;
+    struct turning t = turning_of(bodies, place, middle, impulse, own, step);
+    struct scree_tangential r = resist(law, constants, constants->c[SCREE_ROLLING_COEFFICIENT], t.rolling, step);
+    struct scree_tangential s = resist(law, constants, constants->c[SCREE_TWISTING_COEFFICIENT], t.twisting, step);
     double lever = scree_pair(place.batch, SCREE_PAIR_LEVER, place.index);
-    int lane = place.lane, k = place.index;
-    struct vec spin = vec_sub(scree_spin_of(bodies, contact->ball), scree_spin_of(bodies, contact->host));
-    struct vec velocity = vec_scale(lever, spin), n = middle.normal;
-    double along = vec_dot(velocity, n);
-    struct scree_sliding rolling = {.normal = normal > 0.0 ? normal : 0.0,
-                                    .overlap = middle.overlap,
-                                    .half = 0.5 * step,
-                                    .velocity = vec_axpy(velocity, -along, n)};
-    struct scree_sliding twisting = rolling;
-    twisting.velocity = vec(along, 0.0, 0.0);
-    if (own) {
-        rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);
-        rolling.sliding = own[3][k];
-        twisting.stretch = vec(own[4][k], 0.0, 0.0);
-        twisting.sliding = own[5][k];
-    }
-    struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], rolling);
-    struct scree_tangential s = law->resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], twisting);
-    struct vec turn = vec_scale(step * lever, vec_axpy(r.force, s.force.x, n));
-    struct vec moment = vec_scale(0.5 * step, turn);
+    struct vec turn = vec_scale(t.time * lever, vec_axpy(r.force, s.force.x, middle.normal));
+    struct vec moment = vec_scale(0.5 * t.time, turn);
     add_to(yield->turn_ball, lane, turn);
     add_to(yield->turn_host, lane, vec_scale(-1.0, turn));
     add_to(moments->turn_ball, lane, moment);
     add_to(moments->turn_host, lane, vec_scale(-1.0, moment));
-    yield->lost.tangential[lane] -= step * (vec_dot(r.force, rolling.velocity) + s.force.x * along);
-    if (!own) return;
-    own[0][k] = touches * r.stretch.x;
-    own[1][k] = touches * r.stretch.y;
-    own[2][k] = touches * r.stretch.z;
-    own[3][k] = touches * r.sliding;
-    own[4][k] = touches * s.stretch.x;
-    own[5][k] = touches * s.sliding;
+    double power = vec_dot(r.force, t.rolling.velocity) + s.force.x * t.twisting.velocity.x;
+    yield->lost.tangential[lane] -= t.time * power;
+    if (own) keep_turning(own, place.index, touches, r, s);
 }
 
 /* The same of a contact of balls, or of one and a plane, that went several at once. */
@@ -397,7 +434,7 @@ static void roll_on(const struct scree_contacts *contacts, const struct scree_bo
     put(place.moments->turn_ball, place.lane, zero);
     put(place.moments->turn_host, place.lane, zero);
     double impulse = vec_dot(taken(yield->impulse, place.lane), middle.normal);
-    roll(contacts, bodies, place, middle, impulse / step, yield->lasts[place.lane] > 0.0, step);
+    roll(contacts, bodies, place, middle, impulse, yield->lasts[place.lane] > 0.0, step);
 }
 
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
@@ -497,7 +534,7 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     keep(&o.p, place, &o.at);
     struct vec now = o.now.normal, middle = o.middle.normal, impulse = turn_along(o.sum.impulse, now, middle);
     write_yield(&o.sum, o.middle, impulse, turn_along(o.sum.moment, now, middle), o.p.friction != NULL, place);
-    roll(contacts, bodies, place, o.middle, vec_dot(impulse, middle) / step, o.at.overlap > 0.0, step);
+    roll(contacts, bodies, place, o.middle, vec_dot(impulse, middle), o.at.overlap > 0.0, step);
     double steep = batch->slope * vec_dot(impulse, middle) * 4.0 * (a->inverse_mass + b->inverse_mass);
     place.yield->steep[place.lane] = steep;
 }

@@ -5,6 +5,36 @@
 
 #include "contact/contacts.h"
 
+/* The overlap in the middle of a step, over the way of half of it. */
+static SCREE_INLINE double scree_met_by(double overlap, double closing, double step) {
+    return overlap / (0.5 * step * fabs(closing) + SCREE_NO_SPEED);
+}
+
+/* Share of the step during which bodies touch that have `met` by so much: 1 or 0, but for the steps in which they meet
+ * or part. */
+static SCREE_INLINE double scree_share_of(double met) {
+    double share = 0.5 + 0.5 * met;
+    share = share < 1.0 ? share : 1.0;
+    return share > 0.0 ? share : 0.0;
+}
+
+/* A contact counts as new where its overlap is less than so many ways of half a step: bodies that have met since the
+ * middle of the step before are in each other by two, but a dashpot has slowed them down since. */
+#define SCREE_NEW 2.5
+
+/* For those two it is, at most. */
+static SCREE_INLINE double scree_met_lately(double met) { return met > 2.0 && met < SCREE_NEW ? 2.0 : met; }
+
+/* A stretch counts from the touch, not from the beginning of the step in which bodies meet: without this sliders are of
+ * first order. What it has then at the beginning of that step, as time at its velocity, s: until the middle of the
+ * step, to which the laws add half of it, that is overlap/closing. In any other step 0. */
+static SCREE_INLINE double scree_since_touch(double met, double closing, double step) {
+    double since = 0.5 * step * (met - 1.0);
+    since = closing > 0.0 ? since : 0.0;
+    since = met > 0.0 ? since : 0.0;
+    return met <= 2.0 ? since : 0.0;
+}
+
 /* Where the partner that is met stands off its record: whole periods; constant zeros but for images. */
 static inline struct vec scree_shift_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
                                         enum scree_geometry geometry) {

@@ -20,7 +20,7 @@ static SCREE_INLINE double jump_of(const struct scree_normal_law *normal, const 
                                    double share, double step) {
     int held = normal->reach && at.second > 0.0; /* parting is farther off then */
     if (normal->reach && held == (at.closing > 0.0)) return 0.0;
-    if (held) share = share_of(met_by(at.overlap + normal->reach(constants, pair), at.closing, step));
+    if (held) share = scree_share_of(scree_met_by(at.overlap + normal->reach(constants, pair), at.closing, step));
     return (share - touching) * normal->jump(constants, pair, held);
 }
 
@@ -90,10 +90,16 @@ static SCREE_INLINE struct scree_pair_constants friction_pair_at(const double *c
     return (struct scree_pair_constants){{pair[SCREE_PAIR_FRICTION][k], pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
 }
 
+/* What is kept of a contact while it lasts. Of zeros the sign is not: nothing is saved of a contact that keeps none but
+ * these, and it begins at +0 again. */
+static SCREE_INLINE struct vec kept_while(double touching, struct vec a) {
+    return vec(touching * a.x + 0.0, touching * a.y + 0.0, touching * a.z + 0.0);
+}
+
 static inline void put_friction(struct block *b, int k, double *const *kept, int memory, struct scree_tangential f) {
     put(b->friction, k, f.force);
     if (!memory) return;
-    put_kept(kept, k, vec_scale(b->touching[k], f.stretch));
+    put_kept(kept, k, kept_while(b->touching[k], f.stretch));
     b->state[k] = b->touching[k] * f.sliding;
 }
 
@@ -130,16 +136,11 @@ SCREE_FRICTION_LAWS(FRICTION_PASS)
 
 /* ---- sliders, behind their first pass ---- */
 
-/* The stretch counts from the touch, not from the beginning of the step in which bodies meet: without this friction is
- * of first order. Until the middle of the step, to which the laws add half of it, that is overlap/closing. */
 static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct vec s = get_kept(kept, k), slip = vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
-        double met = b->met[k], since = 0.5 * step * (met - 1.0);
-        since = b->closing[k] > 0.0 ? since : 0.0;
-        since = met > 0.0 ? since : 0.0;
-        since = met < 2.0 ? since : 0.0;
+        double since = scree_since_touch(b->met[k], b->closing[k], step);
         since = fabs(s.x) + fabs(s.y) + fabs(s.z) > 0.0 ? 0.0 : since;
         put_kept(kept, k, vec_axpy(s, since, slip));
     }
@@ -177,6 +178,20 @@ static inline struct vec turning_at(const struct block *b, int k, double lever) 
                                 b->ball_spin[2][k] - b->host_spin[2][k]));
 }
 
+/* As begin_stretches; `own`: what rolling laws keep. */
+static void begin_turning(const struct block *b, int count, double step, const double *const *pair,
+                          double *const *own) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        struct vec s = get_kept(own, k), n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
+        struct vec velocity = turning_at(b, k, pair[SCREE_PAIR_LEVER][k]);
+        double since = scree_since_touch(b->met[k], b->closing[k], step), along = vec_dot(velocity, n);
+        since = fabs(s.x) + fabs(s.y) + fabs(s.z) + fabs(own[4][k]) > 0.0 ? 0.0 : since;
+        put_kept(own, k, vec_axpy(s, since, vec_axpy(velocity, -along, n)));
+        own[4][k] += since * along;
+    }
+}
+
 /* One pass per rolling law: rolling, then twisting, at the lever of the pair. */
 #define ROLLING_PASS(word)                                                                                             \
     static void rolling_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                 \
@@ -208,9 +223,9 @@ static inline struct vec turning_at(const struct block *b, int k, double lever) 
             put(b->torque, k, vec_scale(lever, vec_axpy(r.force, s.force.x, n)));                                      \
             b->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * along);                                   \
             if (scree_rolling_##word.memory) {                                                                         \
-                put_kept(own, k, vec_scale(b->touching[k], r.stretch));                                                \
+                put_kept(own, k, kept_while(b->touching[k], r.stretch));                                               \
                 own[3][k] = b->touching[k] * r.sliding;                                                                \
-                own[4][k] = b->touching[k] * s.stretch.x;                                                              \
+                own[4][k] = b->touching[k] * s.stretch.x + 0.0;                                                        \
                 own[5][k] = b->touching[k] * s.sliding;                                                                \
             }                                                                                                          \
         }                                                                                                              \
@@ -307,7 +322,7 @@ static uint32_t begin_forces(const struct work *w, struct block *b, int count) {
     uint32_t begins = 0;
     for (int k = 0; k < count; k++) {
         double met = b->met[k];
-        if (!(met > 0.0 && met < 2.0 && b->closing[k] > 0.0) || vec_norm2(get_kept(w->kept, k)) > 0.0) continue;
+        if (!(met > 0.0 && met <= 2.0 && b->closing[k] > 0.0) || vec_norm2(get_kept(w->kept, k)) > 0.0) continue;
         double since_touch = share * met * stiffness_at(w, b, k, 0.0), by_law = stiffness_at(w, b, k, -0.5);
         put_kept(w->kept, k, vec_scale(half * (since_touch - by_law), get(b->slip, k)));
         begins |= (uint32_t)1 << k;
@@ -321,7 +336,7 @@ static void end_forces(const struct work *w, struct block *b, int count, uint32_
     for (int k = 0; k < count; k++)
         if (begins >> k & 1 && b->touching[k] > 0.0 && !(b->state[k] > 0.0))
             put_kept(w->kept, k,
-                     vec_scale(half * share * (b->met[k] + 1.0) * stiffness_at(w, b, k, 1.0), get(b->slip, k)));
+                     kept_while(half * share * (b->met[k] + 1.0) * stiffness_at(w, b, k, 1.0), get(b->slip, k)));
 }
 
 /* From gathered columns on, all passes but the last; `events`: as seen in meeting. */
@@ -348,6 +363,8 @@ static void press(struct work *w, int first, int count, int events, struct block
         share_sliders(b, count);
         end_sliders(b, count, w->kept);
     }
+    if (rule->rolling >= 0 && events & CHANGES && scree_rolling_laws[rule->rolling]->memory)
+        begin_turning(b, count, step, w->pair, w->kept + SCREE_KEPT_ROLLING);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, w->pair, w->kept, step);
     if (batch->slides) pack(b->state, count, batch->slides + first);
 }

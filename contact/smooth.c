@@ -233,13 +233,13 @@ static void keep_all(const struct scree_batch *batch, struct smooth_block *s, in
         const double *now = m == SCREE_PAST_DEPTH ? s->depth : yield->impulse[m];
         SMOOTH_LOOP({
             before[k] = s->x.c.odd[k] > 0.0 ? before[k] : last[k];
-            last[k] = s->x.c.odd[k] > 0.0 ? last[k] : now[k];
+            last[k] = s->x.c.odd[k] > 0.0 ? last[k] : now[k] + 0.0; /* zeros have no sign */
         })
     }
     if (!turns || !batch->kept[0]) return;
     for (int axis = 0; axis < 3; axis++) {
         double *kept = batch->kept[axis] + first;
-        SMOOTH_LOOP({ kept[k] = s->x.c.odd[k] > 0.0 ? kept[k] : s->x.c.s[axis][k]; })
+        SMOOTH_LOOP({ kept[k] = s->x.c.odd[k] > 0.0 ? kept[k] : s->x.c.s[axis][k] + 0.0; }) /* zeros have no sign */
     }
     for (int k = 0; k < padded(count); k++)
         if (!(s->x.c.odd[k] > 0.0)) batch->slides[first + k] = s->x.c.slides[k] > 0.0;
@@ -257,13 +257,13 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
     }
     for (int m = 0; m < (turns ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++) {
         batch->past[SCREE_PAST_STEP + m][index] = batch->past[m][index];
-        batch->past[m][index] = m == SCREE_PAST_DEPTH ? s->depth[i] : from->impulse[m][i];
+        batch->past[m][index] = (m == SCREE_PAST_DEPTH ? s->depth[i] : from->impulse[m][i]) + 0.0;
     }
     yield->depth[lane] = from->depth[i];
     yield->steep[lane] = from->steep[i];
     yield->lasts[lane] = from->lasts[i];
     if (!turns || !batch->kept[0]) return;
-    for (int axis = 0; axis < 3; axis++) batch->kept[axis][index] = s->x.c.s[axis][i];
+    for (int axis = 0; axis < 3; axis++) batch->kept[axis][index] = s->x.c.s[axis][i] + 0.0;
     scree_keep(batch, SCREE_KEPT_STATE, index, s->x.c.slides[i]);
 }
 
@@ -328,7 +328,7 @@ static uint32_t impel_few(const struct scree_contacts *contacts, const struct sc
     struct smooth_block s;
     struct scree_yield few;
     struct scree_moments few_moments;
-    int index[SCREE_LANES], turns = contacts->rule[batch->rule].friction >= 0;
+    int index[SCREE_LANES] = {0}, turns = contacts->rule[batch->rule].friction >= 0;
     uint32_t odd = 0;
     for (int i = 0; i < count; i++) index[i] = first + lane[i];
     run_smooth(contacts, now, batch, pass, first, index, count, step, &s, &few, &few_moments);
