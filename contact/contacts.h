@@ -390,6 +390,10 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
 scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble);
 
+/* Note how deep boxes are in each other, whatever their contacts say of it: a run must not go on as if nothing had
+ * happened. Of pairs in lists that hold. */
+void scree_contacts_note_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies);
+
 /* After bodies have outgrown their margins (path > skin/2): pick all near contacts anew from the outer list, or make
  * both lists anew if a body has used up what the outer one left it, or if they are broken. */
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,

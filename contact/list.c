@@ -126,22 +126,26 @@ static void take(const struct scree_bodies *bodies, struct scree_batch *batch, c
     segment->outer_count++;
 }
 
-/* The balls of body `ball` that are near body `host`: its corners, or itself; `overlap` of the cores of two boxes. */
-static void take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_rule *rule, int ball, int host, double overlap, int pass) {
+/* The balls of body `ball` that are near body `host`: its corners, or itself; `overlap` of the cores of two boxes.
+ * Returns how many. */
+static int take_balls(struct scree_contacts *contacts, const struct scree_bodies *bodies, const struct scree_rule *rule,
+                      int ball, int host, double overlap, int pass) {
     struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
     int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
     int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
     double left = scree_left_of(contacts, bodies, ball, host) + vec_norm(scree_flown(contacts, bodies, ball, host));
+    int taken = 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
-        if (near || scree_gap(bodies, &contact, left, overlap) <= left) take(bodies, batch, &contact, pass);
+        if (!near && !(scree_gap(bodies, &contact, left, overlap) <= left)) continue;
+        take(bodies, batch, &contact, pass);
+        taken++;
     }
+    return taken;
 }
 
-/* Two boxes that are deep in each other, whatever their contacts say of it: the run must not go on as if nothing had
- * happened. */
+/* Two boxes that are deep in each other. */
 static void note_depth(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
     struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
@@ -154,6 +158,28 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
     contacts->deepest_host = bodies->number[j];
 }
 
+/* Of a contact of two boxes, in one order, whichever of them the list names first. */
+static void note_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
+    if (scree_kind_of(bodies, i)->shape.kind != SCREE_BOX || scree_kind_of(bodies, j)->shape.kind != SCREE_BOX) return;
+    int swap = bodies->number[i] > bodies->number[j], ball = swap ? j : i, host = swap ? i : j;
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
+    if (scree_cores_overlap(&boxes) + boxes.rounding_a + boxes.rounding_b > 0.0)
+        note_depth(contacts, bodies, ball, host);
+}
+
+void scree_contacts_note_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    for (int b = 0; b < contacts->batches; b++) {
+        const struct scree_batch *batch = &contacts->batch[b];
+        struct scree_ends last = {-1, -1};
+        if (batch->geometry != SCREE_BALL_BOX && batch->geometry != SCREE_EDGE_EDGE) continue;
+        for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) {
+            struct scree_ends ends = batch->ends[k];
+            if (ends.ball != last.ball || ends.host != last.host) note_pair(contacts, bodies, ends.ball, ends.host);
+            last = ends;
+        }
+    }
+}
+
 /* Corners and edges of two boxes that may touch before the list is made anew. */
 static void take_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                        const struct scree_rule *rule, int i, int j, int pass) {
@@ -163,10 +189,13 @@ static void take_boxes(struct scree_contacts *contacts, const struct scree_bodie
     double overlap = scree_cores_overlap(&boxes), roundings = boxes.rounding_a + boxes.rounding_b;
     double left = scree_left_of(contacts, bodies, ball, host);
     if (-overlap > roundings + left) return;
-    if (!(pass & FILL) && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
-    take_balls(contacts, bodies, rule, i, j, overlap, pass);
-    take_balls(contacts, bodies, rule, j, i, overlap, pass);
-    if (rule->corners) return;
+    int taken = take_balls(contacts, bodies, rule, i, j, overlap, pass);
+    taken += take_balls(contacts, bodies, rule, j, i, overlap, pass);
+    if (rule->corners) {
+        /* They cross, and nothing will tell. */
+        if (!taken && !(pass & FILL) && overlap + roundings > 0.0) note_depth(contacts, bodies, i, j);
+        return;
+    }
     int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, overlap, left, code);
     for (int k = 0; k < count; k++) {
         struct scree_contact contact = {ball, host, code[k]};

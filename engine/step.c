@@ -29,44 +29,72 @@ int scree_is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1])
 
 static int threads_of(const scree_scene *scene) { return scene->time.threads > 0 ? scene->time.threads : 1; }
 
-/* A body that moved, before lists help it: where a number isn't finite, or it crosses in one step, at its speed of
- * `now`, what the list keeps watch over, no list can. */
-static scree_status look_at(scree_scene *scene, const struct scree_bodies *now, int k) {
+/* ---- what stops a run ---- */
+
+/* Before lists help a body that moved. */
+static scree_status check_numbers(scree_scene *scene, int k) {
     const struct scree_bodies *bodies = &scene->bodies;
     const struct scree_record *record = &bodies->record[k];
-    if (!scree_is_finite(record->x) || !scree_is_finite(record->v) || !scree_is_finite(bodies->spin[k].w))
-        return stop(scene, bodies->number[k], -1,
-                    "its position or velocity is no longer a finite number; the step is too large or a "
-                    "contact too stiff");
+    if (scree_is_finite(record->x) && scree_is_finite(record->v) && scree_is_finite(bodies->spin[k].w)) return SCREE_OK;
+    return stop(scene, bodies->number[k], -1,
+                "its position or velocity is no longer a finite number; the step is too large or a contact too stiff");
+}
+
+/* Looked at from time to time: bodies that are too fast, where they are few in every step, and boxes that are deep in
+ * each other. When is a function of the state, not of the lists, or else breaks and outputs would decide whether a run
+ * stops. */
+enum { STEPS_TO_LOOK = 16, FEW = 64 };
+
+static int is_look(const scree_scene *scene) { return scene->steps % STEPS_TO_LOOK == 0; }
+
+/* The most that a point of a body goes in a second, m; 0 if that is less than `enough` for sure, which takes no root.
+ */
+static double speed_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k, double enough) {
     int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
-    struct vec velocity = vec_from(now->record[k].v), spin = scree_spin_of(now, k);
-    double speed = vec_norm(velocity) + (plane ? 0.0 : vec_norm(spin) * record->bound);
-    double hasty = speed * scene->step / scene->contacts.chosen_skin;
-    if (hasty > scene->hasty) {
+    double lever = plane ? 0.0 : bodies->record[k].bound, along = vec_norm2(vec_from(now->record[k].v));
+    double around = vec_norm2(scree_spin_of(now, k)) * lever * lever;
+    return 2.0 * (along + around) < enough * enough ? 0.0 : sqrt(along) + sqrt(around);
+}
+
+/* A body that crosses in one step, at its speed of `now`, what a new list keeps watch over. */
+static scree_status check_haste(scree_scene *scene, const struct scree_bodies *now) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    double seen = scene->contacts.chosen_skin / scene->step;
+    for (int k = 0; k < bodies->count; k++) {
+        double hasty = speed_of(bodies, now, k, scene->hasty * seen) / seen;
+        if (!(hasty > scene->hasty)) continue;
         scene->hasty = hasty;
         scene->hastiest = bodies->number[k];
     }
-    if (!(hasty > 1.0)) return SCREE_OK;
+    if (!(scene->hasty > 1.0)) return SCREE_OK;
     char cause[200];
     snprintf(cause, sizeof cause,
              "it moves, or its tips do, %.3g m in one step, more than the list of contacts looks ahead (%.3g m): "
              "it could pass through others unnoticed; take a smaller step",
-             speed * scene->step, scene->contacts.chosen_skin);
-    return stop(scene, bodies->number[k], -1, cause);
+             scene->hasty * scene->contacts.chosen_skin, scene->contacts.chosen_skin);
+    return stop(scene, scene->hastiest, -1, cause);
 }
 
 /* For bodies that have outgrown their margins: for a few of them alone, or for all bodies. */
-static scree_status renew_list(scree_scene *scene, const struct scree_bodies *now) {
+static scree_status renew_list(scree_scene *scene) {
     int asking[SCREE_ASKING], count = scree_contacts_asking(&scene->contacts, &scene->bodies, asking);
     int looks = count ? count : scene->bodies.count;
     for (int k = 0; k < looks; k++) {
-        scree_status status = look_at(scene, now, count ? asking[k] : k);
+        scree_status status = check_numbers(scene, count ? asking[k] : k);
         if (status) return status;
     }
     if (count)
         return scree_contacts_answer(&scene->contacts, &scene->bodies, asking, count, threads_of(scene),
                                      &scene->trouble);
     return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
+}
+
+/* Lists that hold in this step; `now`: bodies whose speeds are no guesses. */
+static scree_status keep_lists(scree_scene *scene, const struct scree_bodies *now, int outgrown) {
+    scree_status status = is_look(scene) || scene->bodies.count <= FEW ? check_haste(scene, now) : SCREE_OK;
+    if (!status && outgrown) status = renew_list(scene);
+    if (!status && is_look(scene)) scree_contacts_note_boxes(&scene->contacts, &scene->bodies);
+    return status;
 }
 
 /* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state,
@@ -126,10 +154,8 @@ static scree_status step_by_impulses(scree_scene *scene) {
     scree_gravity_at(scene, time + 0.5 * step, gravity);
     int too_far = scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow,
                                          threads_of(scene));
-    if (too_far | scene->contacts.broken) {
-        scree_status status = renew_list(scene, &scene->shadow); /* the others' speeds are guesses */
-        if (status) return status;
-    }
+    scree_status status = keep_lists(scene, &scene->shadow, too_far | scene->contacts.broken);
+    if (status) return status;
     scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, threads_of(scene));
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance_by_moments(bodies, time, step, gravity, threads_of(scene));
@@ -190,11 +216,15 @@ static scree_status step_once(scree_scene *scene, int more) {
     scree_status status = put_back(scene);
     if (!status) status = keep_order(scene);
     if (status) return status;
-    if (scene->time.integrator == SCREE_ADAPTIVE) return scree_adaptive_step(scene);
+    if (scene->time.integrator == SCREE_ADAPTIVE) {
+        status = scree_adaptive_step(scene);
+        if (!status) scree_contacts_note_boxes(&scene->contacts, &scene->bodies);
+        return status ? status : scree_check_depth(scene, scree_scene_time(scene));
+    }
     if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
     double gravity[3];
     scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
-    if (look_ahead(scene, gravity)) status = renew_list(scene, &scene->bodies);
+    status = keep_lists(scene, &scene->bodies, look_ahead(scene, gravity));
     if (!status) status = scree_rest_prepare(&scene->contacts, &scene->bodies, scene->step, &scene->trouble);
     scene->waits = status == SCREE_NO_MEMORY;
     if (status) return status;

@@ -905,7 +905,100 @@ static void test_definitions(void) {
     scree_scene_destroy(NULL);
 }
 
+/* ---- lists leave no trace ---- */
+
+/* Two boxes that come deep into each other, more than their contacts say; and streams of spheres that speed up until
+ * one crosses in a step what lists look ahead. */
+static const char deep_boxes[] =
+    "gravity = [0, 0, -9.81]\n[time]\nend = 0.01\nstep = 2e-5\nintegrator = \"verlet\"\n"
+    "[[material]]\nname = \"a\"\ndensity = 1000\n"
+    "[[contact]]\nbetween = [\"a\", \"a\"]\nnormal = { law = \"linear\", stiffness = 1000, restitution = 0.5 }\n"
+    "[[body]]\nname = \"lower\"\nshape = { box = [0.03, 0.03, 0.02], rounding = 0.002 }\nmaterial = \"a\"\n"
+    "joint = \"fixed\"\n"
+    "[[body]]\nname = \"upper\"\nshape = { box = [0.024, 0.028, 0.02], rounding = 0.002 }\nmaterial = \"a\"\n"
+    "position = [0.005, 0.005, 0.028]\norientation = { axis = [1, 1, 0], degrees = 20 }\nvelocity = [0, 0, -1.5]\n";
+
+static const char fast_stream[] =
+    "gravity = [400, 0, 0]\n[time]\nend = 0.01\nstep = 1e-4\nintegrator = \"verlet\"\n"
+    "[[material]]\nname = \"a\"\ndensity = 1000\n"
+    "[[contact]]\nbetween = [\"a\", \"a\"]\nnormal = { law = \"linear\", stiffness = 1e3, restitution = 0.9 }\n"
+    "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmin = [0, 0, 0]\nmax = [0.4, 0.2, 0.1]\nradius = 0.01\n"
+    "material = \"a\"\nspacing = 0.021\ncount = 150\nvelocity = [38.5, 0, 0]\n"
+    "[[generate]]\nname = \"h\"\nkind = \"lattice\"\nmin = [0, 0, 0.2]\nmax = [0.4, 0.2, 0.4]\nradius = 0.01\n"
+    "material = \"a\"\nspacing = 0.021\ncount = 150\nvelocity = [39, 0, 0]\n";
+
+/* Up to `steps` steps, lists made anew in some of them. */
+static long run_with_lists(const char *text, long steps, long lists_every, double *deepest, uint64_t *hash) {
+    scree_scene *scene = scene_from(text, NULL, 0, 1);
+    scree_status status = SCREE_OK;
+    while (!status && scree_scene_steps(scene) < steps) {
+        if (lists_every && scree_scene_steps(scene) % lists_every == 0)
+            CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
+        status = scree_scene_step(scene, 1);
+    }
+    long done = scree_scene_steps(scene);
+    *deepest = scree_scene_deepest(scene, NULL, NULL);
+    *hash = scree_scene_hash(scene);
+    scree_scene_destroy(scene);
+    return done;
+}
+
+/* Neither how deep bodies were nor when a run stops depends on when lists happen to be made, as after a break. */
+static void test_lists_leave_no_trace(void) {
+    static const char *const texts[] = {deep_boxes, fast_stream};
+    for (int t = 0; t < 2; t++) {
+        double deepest[3];
+        uint64_t hash[3];
+        long done[3];
+        for (int way = 0; way < 3; way++)
+            done[way] = run_with_lists(texts[t], 800, way ? 10 * way - 9 : 0, &deepest[way], &hash[way]);
+        CHECK(t == 0 ? done[0] == 800 && deepest[0] > 0.5 : done[0] < 100);
+        for (int way = 1; way < 3; way++)
+            CHECK(done[way] == done[0] && deepest[way] == deepest[0] && hash[way] == hash[0]);
+    }
+}
+
+static int signed_zeros(const double *value, int first, int count) {
+    int found = 0;
+    for (int k = first; value && k < first + count; k++) found += value[k] == 0.0 && signbit(value[k]);
+    return found;
+}
+
+/* What contacts keep that have parted: zeros without a sign, as those begin with that are listed anew. */
+static void test_kept_zeros(void) {
+    static const char text[] =
+        "[time]\nend = 0.01\nstep = 1e-5\n[[material]]\nname = \"a\"\ndensity = 1000\n"
+        "[[contact]]\nbetween = [\"a\", \"a\"]\nnormal = { law = \"hertz\", stiffness = 1e6 }\n"
+        "friction = { law = \"mindlin\", static = 0.4, kinetic = 0.3, shear_modulus = 1e7 }\n"
+        "rolling = { law = \"spring-dashpot\", rolling = 0.05, twisting = 0.02, stiffness = 1e3 }\n"
+        "[[body]]\nname = \"left\"\nshape = { sphere = 0.01 }\nmaterial = \"a\"\nvelocity = [0.3, 0, 0.1]\n"
+        "spin = [30, 20, 10]\nposition = [-0.01005, 0, 0]\n"
+        "[[body]]\nname = \"right\"\nshape = { sphere = 0.01 }\nmaterial = \"a\"\nvelocity = [-0.3, 0.1, 0]\n"
+        "spin = [-30, 20, -10]\nposition = [0.01005, 0, 0]\n";
+    static const char *const integrators[] = {"time.integrator=\"verlet\"", "time.integrator=\"pair-impulse\""};
+    for (int i = 0; i < 2; i++) {
+        scree_scene *scene = scene_from(text, &integrators[i], 1, 1);
+        int found = 0, looked = 0, touched = 0;
+        for (int step = 0; step < 200; step++) {
+            go(scene, 1);
+            for (int b = 0; b < scene->contacts.batches; b++) {
+                const struct scree_batch *batch = &scene->contacts.batch[b];
+                int first = scree_first(batch);
+                if (first < 0) continue;
+                looked++;
+                for (int m = 0; m < SCREE_MEMORY; m++) found += signed_zeros(batch->kept[m], first, 1);
+                for (int m = 0; m < SCREE_PAST; m++) found += signed_zeros(batch->past[m], first, 1);
+                touched += batch->kept[0][first] != 0.0;
+            }
+        }
+        CHECK(found == 0 && touched > 10 && touched < looked - 10);
+        scree_scene_destroy(scene);
+    }
+}
+
 int main(void) {
+    test_lists_leave_no_trace();
+    test_kept_zeros();
     test_impact_order();
     test_incline();
     test_sliding_distance();
