@@ -5,6 +5,7 @@
 #include "engine/hash.h"
 #include "engine/scene.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -479,7 +480,8 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     long memories = 0;
     get(&s, head, sizeof head);
     get(&s, &mark, sizeof mark);
-    if (ferror(file)) return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: can't be read", name);
+    if (ferror(file))
+        return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: can't be read: %s", name, strerror(errno));
     if (s.failed || memcmp(head, magic, sizeof magic) != 0 || mark != byte_order_mark)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
                             "%s: this is no state file of this version of scree and this kind of machine", name);

@@ -341,6 +341,7 @@ nothing_left "$work/x4"
 check 'state of another scene' 2 'another scene' "$scree" run "$scenes/transport.toml" -o "$work/x1" --resume "$work/half/final.state"
 nothing_left "$work/x1"
 check 'state that is none' 2 'no state file' "$scree" run "$scenes/incline.toml" -o "$work/x2" --resume "$scenes/incline.toml"
+check 'state that is a folder' 2 'Is a directory' "$scree" run "$scenes/incline.toml" -o "$work/x3" --resume "$work/half"
 check 'state that is missing' 2 'No such file' "$scree" run "$scenes/incline.toml" -o "$work/x3" --resume "$work/none"
 
 # Rows fall on multiples of `every`, from wherever a run goes on; a row a step at the most.
@@ -436,6 +437,9 @@ nothing_left "$work/limited/bodies.csv.part"
 check 'an unknown path of the processor' 2 'baseline, avx2 or avx512, not "avx9"' env SCREE_ISA=avx9 "$scree" laws
 check 'an empty one is none' 0 '' env SCREE_ISA= "$scree" laws
 check 'list of figures' 0 '11b' "$scree" reproduce --list
+expect 'list of all' test "$("$scree" reproduce --list | grep -c .)" -gt 40
+expect 'list of those named' test "$("$scree" reproduce --list 11b 12 | grep -c .)" = 2
+check 'list of a figure that is not there' 2 'no figure "99"' "$scree" reproduce --list 99
 check 'a suite' 0 'bounds met' "$scree" reproduce --suite chung-ooi -o "$work/suite"
 check 'cases of a suite' 0 '21 of 21 bounds met' "$scree" reproduce rolling viscoelastic edge corner painleve stack cradle top \
     -o "$work/suite"

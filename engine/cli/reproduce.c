@@ -123,6 +123,12 @@ static int select_figures(int count, char **words, const char *suite, int wanted
     return EXIT_GOOD;
 }
 
+static void print_list(const int wanted[FIGURES], int all) {
+    for (int k = 0; k < FIGURES; k++)
+        if (all || wanted[k])
+            printf("%-10s %-18s %s\n", list[k].suite ? list[k].suite : "", list[k].name, list[k].title);
+}
+
 static scree_status make_figures(struct figures *figures, const int wanted[FIGURES]) {
     struct scree_out summary = {0};
     scree_status status = scree_make_folder(figures->folder, &figures->trouble);
@@ -152,11 +158,12 @@ int cli_reproduce(int count, char **words) {
                                          {0}};
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
-    for (int k = 0; only_list && k < FIGURES; k++)
-        printf("%-10s %-18s %s\n", list[k].suite ? list[k].suite : "", list[k].name, list[k].title);
-    if (only_list) return EXIT_GOOD;
     code = select_figures(count, words, suite, wanted);
     if (code) return code;
+    if (only_list) {
+        print_list(wanted, suite == NULL && count == 0);
+        return EXIT_GOOD;
+    }
 
     int thread_count = cli_threads(threads);
     if (!thread_count) return EXIT_USAGE;
