@@ -167,12 +167,19 @@ char *scree_read_path_beside(struct scree_reader *r, const struct scree_toml *no
     return path;
 }
 
+/* What went wrong with a file is told at the key that names it. */
+static void tell_place(struct scree_reader *r, const struct scree_toml *node) {
+    scree_trouble cause = *r->trouble;
+    scree_complain(r, node, "%s", cause.text);
+    r->status = r->trouble->status = cause.status;
+}
+
 char *scree_read_file_beside(struct scree_reader *r, const struct scree_toml *node, size_t largest, char **text,
                              size_t *size) {
     char *path = scree_read_path_beside(r, node);
     *text = path ? scree_read_file(path, largest, size, r->trouble) : NULL;
     if (*text) return path;
-    if (path) r->status = r->trouble->status;
+    if (path) tell_place(r, node);
     free(path);
     return NULL;
 }

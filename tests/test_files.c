@@ -584,7 +584,7 @@ static void test_force_tables(void) {
         {", rows = [[0, 0], [1e-4]]", "must have 2 numbers"},
         {", rows = [[0, 1], [1e-4, 4]]", "must begin at overlap 0"},
         {", rows = [[0, 0], [1e-4, 4], [1e-4, 5]]", "must rise"},
-        {", file = \"missing.csv\"", "No such file"},
+        {", file = \"missing.csv\"", "t.toml:9:34: missing.csv: No such file"},
         {", rows = [[0, 0], [1e-4, 4]], stiffness = 3.0", "no parameter \"stiffness\""},
     };
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {

@@ -25,14 +25,6 @@ static char *copy_of(struct scree_reader *r, const char *text) {
     return copy;
 }
 
-/* A failure to read another file is told at the key that names it. */
-static void tell_place(struct scree_reader *r, const struct scree_toml *node) {
-    if (r->status != SCREE_NO_FILE) return;
-    scree_trouble cause = *r->trouble;
-    r->status = SCREE_OK;
-    scree_complain(r, node, "%s", cause.text);
-}
-
 /* ---- parameters ---- */
 
 static int is_word(char c) {
@@ -210,7 +202,6 @@ static void read_record(struct scree_reader *r, const struct scree_toml *table, 
     read_chosen(r, columns, &record);
     if (r->status) return;
     record.path = e->record = scree_read_word_file(r, node, words, &record.table, &record.text);
-    tell_place(r, node);
     if (!r->status) find_columns(r, &record);
     if (!r->status) check_columns(r, &record);
     if (!r->status) take_rows(r, &record, e);
@@ -342,7 +333,6 @@ static void read_experiment(struct scree_reader *r, const struct scree_toml *tab
     e->body = copy_of(r, body);
     const struct scree_toml *scene = find_for(r, table, "scene");
     if (!r->status) e->scene = scree_read_file_beside(r, scene, SCREE_TOML_LARGEST, &e->text, &e->size);
-    tell_place(r, scene);
     if (!r->status) read_changes(r, table, f, e);
     if (!r->status) read_delay(r, table, f, e);
     if (!r->status) read_record(r, table, find_for(r, table, "columns"), e);
