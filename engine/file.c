@@ -185,8 +185,32 @@ void scree_clear_folder(const char *path, scree_ours *ours) {
     rmdir(path); /* fails, rightly, if something is left */
 }
 
+static int holds_others(const char *path, scree_ours *ours) {
+    DIR *folder = opendir(path);
+    int others = 0;
+    for (struct dirent *entry; folder && (entry = readdir(folder));)
+        others |= strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0 && !ours(entry->d_name);
+    if (folder) closedir(folder);
+    return others;
+}
+
+scree_status scree_check_places(const char *path, const char *aside, scree_ours *ours, scree_trouble *trouble) {
+    const char *const places[] = {path, aside};
+    for (int k = 0; k < 2; k++) {
+        struct stat there; /* a link to a folder would move without what is in it */
+        if (lstat(places[k], &there) == 0 && !S_ISDIR(there.st_mode))
+            return scree_report(trouble, SCREE_NO_FILE, NULL,
+                                "%s is no folder of its own, and in the way of one; move it elsewhere", places[k]);
+    }
+    if (!holds_others(aside, ours)) return SCREE_OK;
+    return scree_report(trouble, SCREE_NO_FILE, NULL,
+                        "%s is in the way, and files that aren't results are in it; move it elsewhere", aside);
+}
+
 scree_status scree_replace_folder(const char *fresh, const char *path, const char *aside, scree_ours *ours,
                                   scree_trouble *trouble) {
+    scree_status status = scree_check_places(path, aside, ours, trouble);
+    if (status) return status;
     scree_clear_folder(aside, ours); /* of a run that was interrupted just here */
     int there = rename(path, aside) == 0;
     if (!there && errno != ENOENT) return scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(errno));

@@ -41,6 +41,10 @@ typedef int scree_ours(const char *name);
 /* Remove a folder's files that are `ours`, and the folder itself if that leaves it empty. */
 void scree_clear_folder(const char *path, scree_ours *ours);
 
+/* SCREE_NO_FILE if something is in the way of what follows: `path` or `aside` is there and no folder, or others' files
+ * are in `aside`. */
+scree_status scree_check_places(const char *path, const char *aside, scree_ours *ours, scree_trouble *trouble);
+
 /* Let the folder `fresh` take the place of the folder `path`, if there is one: its files that are `ours` are removed,
  * all others move to the new one. `aside` is a name for the time in between. SCREE_NO_FILE: both are as they were. */
 scree_status scree_replace_folder(const char *fresh, const char *path, const char *aside, scree_ours *ours,

@@ -42,11 +42,28 @@ static int is_frame(const char *name) {
     return 0;
 }
 
+/* Put the frames of the folder `part` in their place; NULL: only see whether that can be done. */
+static scree_status place_frames(const struct scree_output *output, const char *part, scree_trouble *trouble) {
+    char *path = scree_join(output->folder, "frames"), *aside = scree_join(output->folder, "frames.old");
+    scree_status status = SCREE_OK;
+    if (!path || !aside)
+        status = scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    else if (part)
+        status = scree_replace_folder(part, path, aside, is_frame, trouble);
+    else
+        status = scree_check_places(path, aside, is_frame, trouble);
+    free(path);
+    free(aside);
+    return status;
+}
+
 static scree_status open_frames(struct scree_output *output, scree_trouble *trouble) {
+    scree_status status = place_frames(output, NULL, trouble);
+    if (status) return status;
     output->frames_part = scree_join(output->folder, "frames.part");
     if (!output->frames_part) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     scree_clear_folder(output->frames_part, is_frame);
-    scree_status status = scree_make_folder(output->frames_part, trouble);
+    status = scree_make_folder(output->frames_part, trouble);
     return status ? status : open_one(output, &output->series, "scene.pvd", series_header, trouble);
 }
 
@@ -229,11 +246,7 @@ static scree_status finish_spheres(struct scree_output *output, scree_scene *sce
 
 static scree_status keep_frames(struct scree_output *output, scree_trouble *trouble) {
     if (!output->frames_part) return SCREE_OK;
-    char *path = scree_join(output->folder, "frames"), *aside = scree_join(output->folder, "frames.old");
-    scree_status status = path && aside ? scree_replace_folder(output->frames_part, path, aside, is_frame, trouble)
-                                        : scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
-    free(path);
-    free(aside);
+    scree_status status = place_frames(output, output->frames_part, trouble);
     if (status) return status;
     free(output->frames_part);
     output->frames_part = NULL;

@@ -436,6 +436,21 @@ check 'too large a file' 2 'bodies.csv: File too large' sh -c \
 nothing_left "$work/limited/bodies.csv"
 nothing_left "$work/limited/bodies.csv.part"
 
+# What would be in the way of new frames is told at the beginning, here of a run that would stop.
+for wrong in frames frames.old; do
+    out=$work/way-$wrong
+    mkdir "$out"
+    echo mine >"$out/$wrong"
+    check "$wrong is a file" 2 "/$wrong is no folder" coarse -o "$out" --set "$frames"
+    expect 'and is all that is there' test "$(cat "$out/$wrong")" = mine -a "$(ls "$out")" = "$wrong"
+done
+mkdir -p "$work/way/frames.old"
+touch "$work/way/frames.old/spheres_000000.vtp" "$work/way/frames.old/notes.txt"
+check 'notes beside old frames' 2 '/frames.old is in the way' coarse -o "$work/way" --set "$frames"
+rm "$work/way/frames.old/notes.txt"
+check 'old frames alone' 0 'written to' bounce -o "$work/way" --set "$frames" --set time.end=0.02
+nothing_left "$work/way/frames.old"
+
 # Figures: with gnuplot and without.
 check 'an unknown path of the processor' 2 'baseline, avx2 or avx512, not "avx9"' env SCREE_ISA=avx9 "$scree" laws
 check 'an empty one is none' 0 '' env SCREE_ISA= "$scree" laws
