@@ -517,6 +517,7 @@ replan() { env PATH=/nonexistent "$scree" plan "$transport/rigid.toml" -o "$out"
 check 'two speeds of six equal digits' 0 'written to' replan --set 'plan.speeds=[300, 333.333331, 333.333332, 300]' --set 'map={from=300, to=310}'
 for file in servo_300.csv servo_333.333331.csv servo_333.333332.csv map.csv map.gp; do expect "$file" test -s "$out/$file"; done
 echo mine >"$out/servo_notes.csv"
+sed '/^optimise/d' "$transport/rigid.toml" >"$work/rigid.toml"
 sums_of() { (cd "$out" && cksum *); }
 before=$(sums_of)
 check 'a table without end' 2 'rows' replan --set servo.rate=1e300
@@ -524,6 +525,9 @@ expect 'nothing of the earlier plan is lost' test "$before" = "$(sums_of)"
 mkdir "$out/servo_400.csv.part"
 check 'a table that can not be written' 2 'servo_400.csv' replan --set 'plan.speeds=[300, 400]'
 rmdir "$out/servo_400.csv.part"
+expect 'nothing of the earlier plan is lost' test "$before" = "$(sums_of)"
+check 'no plan at all' 1 'no speed has a plan: nothing is written' env PATH=/nonexistent "$scree" plan "$work/rigid.toml" -o "$out" \
+    --set transport.friction=30
 expect 'nothing of the earlier plan is lost' test "$before" = "$(sums_of)"
 check 'fewer speeds' 0 'removed from' replan --set 'plan.speeds=[300]'
 expect 'only files of this plan and others' test "$(cd "$out" && echo *)" = 'plan.csv servo_300.csv servo_notes.csv'

@@ -27,6 +27,7 @@ static const char help[] =
     "curves.svg\n"
     "Nothing is replaced before everything is computed; then files of an earlier plan that this one hasn't got are "
     "removed.\n"
+    "If no speed has a plan, nothing is written or removed.\n"
     "The limits of both motions, and what lies between them, are printed. Exit status 1 if a speed has no plan, or "
     "ends\n"
     "farther from its place than the tolerance of [curves] (default: 1 mm).\n"
@@ -603,6 +604,13 @@ static scree_status write_all(struct planning *p) {
     return status;
 }
 
+/* Without a plan for any speed there is nothing that could take the place of earlier results. */
+static scree_status check_plans(struct planning *p) {
+    for (int k = 0; k < p->file.speeds; k++)
+        if (!p->speeds[k].plan.state) return SCREE_OK;
+    return scree_report(&p->output.trouble, SCREE_FAILED, NULL, "no speed has a plan: nothing is written");
+}
+
 static scree_status compute(struct planning *p) {
     const struct transport_file *f = &p->file;
     if (f->title[0]) printf("%s\n", scree_shown(f->title).text);
@@ -610,6 +618,8 @@ static scree_status compute(struct planning *p) {
     if (status) return status;
     make_plans(p);
     print_limits(p);
+    status = check_plans(p);
+    if (status) return status;
     make_map(p);
     return make_curves(p);
 }
