@@ -229,3 +229,20 @@ int scree_same_file(const char *path, const char *other) {
     struct stat a, b;
     return stat(path, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
+
+scree_status scree_add_path(struct scree_paths *paths, const char *path, scree_trouble *trouble) {
+    char **grown = realloc(paths->path, ((size_t)paths->count + 1) * sizeof *grown), *copy = strdup(path);
+    if (grown) paths->path = grown;
+    if (!grown || !copy) {
+        free(copy);
+        return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    }
+    paths->path[paths->count++] = copy;
+    return SCREE_OK;
+}
+
+void scree_free_paths(struct scree_paths *paths) {
+    for (int k = 0; k < paths->count; k++) free(paths->path[k]);
+    free(paths->path);
+    *paths = (struct scree_paths){0};
+}

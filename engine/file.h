@@ -53,6 +53,16 @@ scree_status scree_replace_folder(const char *fresh, const char *path, const cha
 /* True if two paths lead to the same existing file or folder. */
 int scree_same_file(const char *path, const char *other);
 
+/* A list of paths; owns them. */
+struct scree_paths {
+    int count;
+    char **path;
+};
+
+/* SCREE_NO_MEMORY */
+scree_status scree_add_path(struct scree_paths *paths, const char *path, scree_trouble *trouble);
+void scree_free_paths(struct scree_paths *paths);
+
 /* "folder/name", to be freed; NULL if there is no memory. */
 char *scree_join(const char *folder, const char *name);
 

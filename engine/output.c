@@ -20,11 +20,24 @@ static const char series_header[] =
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
 static const char series_end[] = "</Collection>\n</VTKFile>\n";
 
+/* What the scene was read from isn't written over. */
+static scree_status check_inputs(const struct scree_output *output, const char *path, scree_trouble *trouble) {
+    const struct scree_paths *inputs = &output->request->inputs;
+    for (int k = 0; k < inputs->count; k++)
+        if (scree_same_file(path, inputs->path[k]))
+            return scree_report(trouble, SCREE_BAD_INPUT, NULL,
+                                "%s: the scene is read from this file, and results would overwrite it; name another "
+                                "folder for them",
+                                inputs->path[k]);
+    return SCREE_OK;
+}
+
 static scree_status open_one(struct scree_output *output, struct scree_out *out, const char *name, const char *header,
                              scree_trouble *trouble) {
     char *path = scree_join(output->folder, name);
     if (!path) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
-    scree_status status = scree_out_open(out, path, trouble);
+    scree_status status = check_inputs(output, path, trouble);
+    if (!status) status = scree_out_open(out, path, trouble);
     free(path);
     if (!status) fputs(header, out->file);
     return status;
@@ -80,6 +93,8 @@ scree_status scree_output_open(struct scree_output *output, const char *folder, 
         status = open_one(output, &output->contacts, "contacts.csv", contacts_header, trouble);
     if (!status && write & SCREE_WRITE_ENERGY)
         status = open_one(output, &output->energy, "energy.csv", energy_header, trouble);
+    if (!status && write & SCREE_WRITE_SPHERES)
+        status = open_one(output, &output->spheres, "spheres.csv", "name,x_m,y_m,z_m,radius_m", trouble);
     if (!status && write & SCREE_WRITE_VTK) status = open_frames(output, trouble);
     if (status) scree_output_drop(output, 0);
     return status;
@@ -216,9 +231,7 @@ static int is_moved_sphere(const scree_scene *scene, int k) {
 
 /* The spheres that forces move, as [[spheres]] reads them; with masses, unless densities say them all. */
 static scree_status finish_spheres(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
-    if (!(output->request->write & SCREE_WRITE_SPHERES)) return SCREE_OK;
-    scree_status status = open_one(output, &output->spheres, "spheres.csv", "name,x_m,y_m,z_m,radius_m", trouble);
-    if (status) return status;
+    if (!output->spheres.file) return SCREE_OK;
     struct scree_c_locale locale = scree_enter_c_locale();
     FILE *file = output->spheres.file;
     int masses = 0;

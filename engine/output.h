@@ -24,7 +24,7 @@ scree_status scree_output_open(struct scree_output *output, const char *folder, 
 /* A row (a frame) of everything for the scene as it is now. */
 scree_status scree_output_row(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
 
-/* Finish all files, and write final.state (and spheres.csv) beside them. */
+/* Finish all files, and write final.state (and what is in spheres.csv) beside them. */
 scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
 
 /* Close everything; what is unfinished stays under its temporary name (`leave`) or is removed. After a successful keep

@@ -178,8 +178,9 @@ char *scree_read_file_beside(struct scree_reader *r, const struct scree_toml *no
                              size_t *size) {
     char *path = scree_read_path_beside(r, node);
     *text = path ? scree_read_file(path, largest, size, r->trouble) : NULL;
-    if (*text) return path;
-    if (path) tell_place(r, node);
+    if (path && !*text) tell_place(r, node);
+    if (*text && r->beside) r->status = scree_add_path(r->beside, path, r->trouble);
+    if (!r->status) return path;
     free(path);
     return NULL;
 }

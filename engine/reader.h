@@ -3,6 +3,7 @@
 #ifndef SCREE_ENGINE_READER_H
 #define SCREE_ENGINE_READER_H
 
+#include "engine/file.h"
 #include "engine/table.h"
 #include "engine/toml.h"
 
@@ -11,8 +12,9 @@ struct scree_reader {
     const char *name; /* of the file */
     const struct scree_toml *root;
     scree_trouble *trouble;
-    scree_status status; /* the first failure; everything after it does nothing */
-    void *into;          /* what the file is read into */
+    scree_status status;        /* the first failure; everything after it does nothing */
+    void *into;                 /* what the file is read into */
+    struct scree_paths *beside; /* receives the files read beside it; NULL: nobody asks */
 };
 
 /* Read a file ("-": standard input), changed by `count` assignments (see scree_toml_set), with `read`, which begins at

@@ -704,7 +704,7 @@ scree_status scree_read_scene(const char *text, size_t size, const char *name, c
     *request = (struct scree_run_request){0};
     *scene = NULL;
     struct scree_scene_target target = {.request = request, .threads = threads};
-    struct scree_reader r = {.name = name, .trouble = trouble, .into = &target};
+    struct scree_reader r = {.name = name, .trouble = trouble, .into = &target, .beside = &request->inputs};
     struct scree_toml_document document;
     struct scree_c_locale locale = scree_enter_c_locale();
     define(&r, &document, text, size, assignments, assignment_count);
@@ -727,11 +727,17 @@ scree_status scree_load_scene(const char *path, const char *const *assignments, 
     scree_status status = scree_read_scene(text, size, strcmp(path, "-") ? path : "standard input", assignments,
                                            assignment_count, threads, scene, request, trouble);
     free(text);
+    if (status || strcmp(path, "-") == 0) return status;
+    status = scree_add_path(&request->inputs, path, trouble);
+    if (!status) return SCREE_OK;
+    scree_scene_destroy(*scene);
+    *scene = NULL;
     return status;
 }
 
 void scree_free_request(struct scree_run_request *request) {
     free(request->title);
     free(request->body);
+    scree_free_paths(&request->inputs);
     *request = (struct scree_run_request){0};
 }

@@ -2,6 +2,7 @@
 #ifndef SCREE_ENGINE_SCENE_FILE_H
 #define SCREE_ENGINE_SCENE_FILE_H
 
+#include "engine/file.h"
 #include "engine/scree.h"
 
 enum scree_write {
@@ -14,12 +15,13 @@ enum scree_write {
 
 /* What a scene file says besides the scene itself. */
 struct scree_run_request {
-    char *title;    /* owned; "" if none */
-    double end;     /* s */
-    double every;   /* s between rows of output; 0: only start and end */
-    unsigned write; /* enum scree_write */
-    int bodies;     /* how many of `body` to write; 0: all that can move */
-    int *body;      /* owned; indices */
+    char *title;               /* owned; "" if none */
+    double end;                /* s */
+    double every;              /* s between rows of output; 0: only start and end */
+    unsigned write;            /* enum scree_write */
+    int bodies;                /* how many of `body` to write; 0: all that can move */
+    int *body;                 /* owned; indices */
+    struct scree_paths inputs; /* the files that the scene was read from */
 };
 
 /* Read `size` bytes of TOML, change it by `assignments` (see scree_toml_set), define the scene by it and bake it.

@@ -148,6 +148,19 @@ tail -n +2 "$work/grains/spheres.csv" | sed 's/,"glass, clear"$//' | cut -d, -f1
 sed -n '2,41p' "$work/again/bodies.csv" | cut -d, -f2-5,10-12 >"$work/start"
 expect 'the same 40 spheres' test "$(wc -l <"$work/end")" = 40
 expect 'in every bit' cmp "$work/end" "$work/start"
+# What a scene is read from isn't written over, by whatever name.
+cp "$work/grains/spheres.csv" "$work/grains.csv"
+ln -s grains "$work/alias"
+cp "$work/again.toml" "$work/grains/bodies.csv"
+over() { "$scree" run "$work/again.toml" -o "$work/grains" "$@"; }
+check 'over its own table' 2 'spheres.csv: the scene is read from this file' over
+check 'over that by another name' 2 'spheres.csv: the scene is read from this file' over --set 'spheres.0.file="alias/spheres.csv"'
+check 'over the scene itself' 2 'bodies.csv: the scene is read from this file' "$scree" run "$work/grains/bodies.csv" -o "$work/grains" \
+    --set 'spheres.0.file="spheres.csv"' --set 'output.write=["bodies.csv"]'
+expect 'nothing of it is left' test -z "$(find "$work/grains" -name '*.part')"
+expect 'the table is as it was' cmp "$work/grains.csv" "$work/grains/spheres.csv"
+check 'beside its own table' 0 'written to' over --set 'output.write=["energy.csv"]'
+expect 'the table is still as it was' cmp "$work/grains.csv" "$work/grains/spheres.csv"
 spheres '[[body]]
 name = "shot"
 shape = { sphere = 1e-3 }
