@@ -336,6 +336,12 @@ check 'step from the state' 0 'as it was up to the state' bounce --set time.end=
 expect 'default folder of a resumed run' test -s "$work/bounce-resumed/bodies.csv"
 expect 'the first half is as it was' test "$first" = "$(cksum <"$work/bounce/bodies.csv")"
 check 'into the same folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume bounce/final.state -o ./bounce/
+check 'into the same folder by way of a new one' 2 'would be overwritten' bounce --set time.end=0.3 --resume bounce/final.state -o bounce/new/..
+ln -s bounce/final.state "$work/linked.state"
+check 'into the same folder from a link' 2 'would be overwritten' bounce --set time.end=0.3 --resume linked.state -o bounce
+mkdir "$work/hard"
+ln "$work/bounce/final.state" "$work/hard/final.state"
+check 'the same state in another folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume hard/final.state -o bounce
 check 'twice into the default folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume bounce-resumed/final.state
 expect 'the first half is still as it was' test "$first" = "$(cksum <"$work/bounce/bodies.csv")"
 

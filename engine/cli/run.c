@@ -225,54 +225,62 @@ static void summarise(const struct run *run, const char *folder, double seconds,
     fprintf(stderr, "written to %s\n", folder);
 }
 
-/* The results that came with a state are the first half of the whole: they aren't written over. */
+/* The results that came with a state are the first half of the whole: they aren't written over. The folder is made
+ * first, for a name such as new/.. leads nowhere before; a link to the state lies in another folder than it. */
 static scree_status check_folder(struct run *run, const char *folder, const char *state) {
-    char *home = cli_folder_of(state);
-    if (!home) return scree_report(&run->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
-    scree_status status = SCREE_OK;
-    if (scree_same_file(home, folder))
+    scree_status status = scree_make_folder(folder, &run->trouble);
+    if (status) return status;
+    char *home = cli_folder_of(state), *replaced = scree_join(folder, "final.state");
+    if (!home || !replaced)
+        status = scree_report(&run->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
+    else if (scree_same_file(home, folder) || scree_same_file(state, replaced))
         status = scree_report(&run->trouble, SCREE_BAD_INPUT, NULL,
                               "%s: the results up to this state are in the same folder, and would be overwritten; name "
                               "another one with -o",
                               state);
     free(home);
+    free(replaced);
     return status;
 }
 
 static scree_status resume(struct run *run, const char *path) {
     FILE *file = fopen(path, "rb");
     if (!file) return scree_report(&run->trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(errno));
-    double step = scree_scene_step_length(run->scene);
     scree_status status = scree_scene_restore(run->scene, file, path);
     if (status) run->trouble = *scree_scene_trouble(run->scene);
     if (!status && fgetc(file) != EOF)
         status = scree_report(&run->trouble, SCREE_BAD_INPUT, NULL, "%s: damaged: it goes on behind its end", path);
     fclose(file);
     if (status) return status;
-    double time = scree_scene_time(run->scene), kept = scree_scene_step_length(run->scene);
     if (scree_scene_steps(run->scene) >= scree_steps_to(run->scene, run->request.end))
         return scree_report(
             &run->trouble, SCREE_BAD_INPUT, NULL,
             "%s: this state is at t = %.9g s, and the scene ends at %.9g s: nothing is left to simulate; "
             "set time.end to go on",
-            path, time, run->request.end);
-    if (run->quiet) return SCREE_OK;
-    if (kept != step)
-        fprintf(stderr, "the step is %.9g s, as it was up to the state (alone, this scene would take %.9g s)\n", kept,
-                step);
-    if (run->scene->books_begun) fprintf(stderr, "the energy books begin at t = %.9g s: the state holds none\n", time);
+            path, scree_scene_time(run->scene), run->request.end);
     return SCREE_OK;
+}
+
+static void tell_resumed(const struct run *run, double own_step) {
+    double kept = scree_scene_step_length(run->scene);
+    if (kept != own_step)
+        fprintf(stderr, "the step is %.9g s, as it was up to the state (alone, this scene would take %.9g s)\n", kept,
+                own_step);
+    if (run->scene->books_begun)
+        fprintf(stderr, "the energy books begin at t = %.9g s: the state holds none\n", scree_scene_time(run->scene));
 }
 
 /* Says itself what went wrong. */
 static scree_status run_loaded(struct run *run, const char *folder, const char *state) {
-    scree_status status = state ? check_folder(run, folder, state) : SCREE_OK;
-    if (!status && state) status = resume(run, state);
+    double own_step = scree_scene_step_length(run->scene);
+    scree_status status = state ? resume(run, state) : SCREE_OK;
+    if (!status && state) status = check_folder(run, folder, state);
     if (!status) status = scree_output_open(&run->output, folder, &run->request, &run->trouble);
     if (status) {
         cli_complain("%s", run->trouble.text);
         return status;
     }
+    if (state && !run->quiet) tell_resumed(run, own_step);
     struct timespec start, end;
     run->before = scree_scene_effort(run->scene);
     long before = scree_scene_steps(run->scene);
