@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -297,38 +296,34 @@ static scree_status check_inputs(struct fitting *p) {
     return SCREE_OK;
 }
 
-/* Before long runs: can the folder be made, and written to? The nearest one that is there tells. */
+/* Before long runs. The folder is made first: a name such as new/.. leads nowhere before. */
 static scree_status check_folder(struct fitting *p) {
-    char *path = strdup(p->output.folder);
-    while (path && access(path, F_OK) != 0 && errno == ENOENT) {
-        char *above = strcmp(path, ".") == 0 ? NULL : cli_folder_of(path);
-        free(path);
-        path = above;
-    }
-    if (!path) return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
-    int good = access(path, W_OK | X_OK) == 0, cause = errno;
-    struct stat about;
-    if (good && (good = stat(path, &about) == 0 && S_ISDIR(about.st_mode)) == 0) cause = ENOTDIR;
-    if (!good) scree_report(&p->output.trouble, SCREE_NO_FILE, NULL, "%s: %s", path, strerror(cause));
-    free(path);
-    return good ? SCREE_OK : SCREE_NO_FILE;
+    const char *folder = p->output.folder;
+    scree_status status = scree_make_folder(folder, &p->output.trouble);
+    if (!status) status = check_inputs(p);
+    if (status || access(folder, W_OK | X_OK) == 0) return status;
+    return scree_report(&p->output.trouble, SCREE_NO_FILE, NULL, "%s: %s", folder, strerror(errno));
+}
+
+static scree_status solve(struct fitting *p) {
+    struct timespec start, end;
+    clock_gettime(CLOCK_MONOTONIC, &start);
+    scree_status status = fit_solve(&p->file, p->threads, show_progress, &p->result, &p->output.trouble);
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    p->seconds = (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+    if (p->result.outcome.iterations > 0 && isatty(STDERR_FILENO)) fputc('\n', stderr); /* ends that of the progress */
+    return status;
 }
 
 static scree_status work(struct fitting *p) {
     p->tables.out = calloc((size_t)p->file.experiments + 2, sizeof *p->tables.out);
     if (!p->tables.out) return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for a fit");
-    scree_status status = check_inputs(p);
-    if (!status) status = check_folder(p);
-    if (status) return status;
-    struct timespec start, end;
-    clock_gettime(CLOCK_MONOTONIC, &start);
-    status = fit_solve(&p->file, p->threads, show_progress, &p->result, &p->output.trouble);
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    p->seconds = (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
-    if (p->result.outcome.iterations > 0 && isatty(STDERR_FILENO)) fputc('\n', stderr); /* ends that of the progress */
+    int there = access(p->output.folder, F_OK) == 0;
+    scree_status status = check_folder(p);
+    if (!status) status = solve(p);
     if (!status) print_all(p);
-    if (!status) status = scree_make_folder(p->output.folder, &p->output.trouble);
     if (!status) status = write_all(p);
+    if (status && !there) rmdir(p->output.folder); /* only if nothing is in it */
     if (!status) printf("written to %s\n", p->output.folder);
     return status;
 }
