@@ -230,6 +230,18 @@ int scree_same_file(const char *path, const char *other) {
     return stat(path, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
+int scree_is_in(const char *folder, const char *path) {
+    DIR *entries = opendir(folder);
+    int found = 0;
+    for (struct dirent *entry; entries && !found && (entry = readdir(entries));) {
+        char *other = scree_join(folder, entry->d_name);
+        found = other && scree_same_file(path, other);
+        free(other);
+    }
+    if (entries) closedir(entries);
+    return found;
+}
+
 scree_status scree_add_path(struct scree_paths *paths, const char *path, scree_trouble *trouble) {
     char **grown = realloc(paths->path, ((size_t)paths->count + 1) * sizeof *grown), *copy = strdup(path);
     if (grown) paths->path = grown;

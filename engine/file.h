@@ -53,6 +53,9 @@ scree_status scree_replace_folder(const char *fresh, const char *path, const cha
 /* True if two paths lead to the same existing file or folder. */
 int scree_same_file(const char *path, const char *other);
 
+/* True if a file or folder, however `path` leads to it, is in a folder. */
+int scree_is_in(const char *folder, const char *path);
+
 /* A list of paths; owns them. */
 struct scree_paths {
     int count;

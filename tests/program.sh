@@ -341,6 +341,9 @@ ln -s bounce/final.state "$work/linked.state"
 check 'into the same folder from a link' 2 'would be overwritten' bounce --set time.end=0.3 --resume linked.state -o bounce
 mkdir "$work/hard"
 ln "$work/bounce/final.state" "$work/hard/final.state"
+mv "$work/bounce/final.state" "$work/bounce/half.state"
+check 'the state by a name of its own' 2 'would be overwritten' bounce --set time.end=0.3 --resume hard/final.state -o bounce
+mv "$work/bounce/half.state" "$work/bounce/final.state"
 check 'the same state in another folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume hard/final.state -o bounce
 check 'twice into the default folder' 2 'would be overwritten' bounce --set time.end=0.3 --resume bounce-resumed/final.state
 expect 'the first half is still as it was' test "$first" = "$(cksum <"$work/bounce/bodies.csv")"
@@ -655,6 +658,8 @@ cp "$root/data/fit/impact.csv" "$work/own/record_3.csv"
 check 'fit: records where results would go' 2 'name another one with -o' fit --set "experiment.0.record=\"$work/own/record_1.csv\"" -o "$work/own"
 check 'fit: there by way of a new folder' 2 'name another one with -o' fit --set "experiment.0.record=\"$work/own/record_1.csv\"" -o "$work/own/new/.."
 rmdir "$work/own/new"
+ln -s own/record_1.csv "$work/linked.csv"
+check 'fit: a link to one there' 2 'name another one with -o' fit --set "experiment.0.record=\"$work/linked.csv\"" -o "$work/own"
 expect 'fit: they are as they were' cmp -s "$root/data/fit/impact.csv" "$work/own/record_1.csv"
 check 'fit: beside files of such names' 0 'written to' fit -o "$work/own"
 expect 'fit: what it has not written stays' cmp -s "$root/data/fit/impact.csv" "$work/own/record_3.csv"

@@ -45,9 +45,6 @@ int cli_exit_code(scree_status status);
  * input. To be freed; NULL if there is no memory. */
 char *cli_default_folder(const char *path, const char *unnamed, const char *ending);
 
-/* The folder that a file is in; to be freed, NULL if there is no memory. */
-char *cli_folder_of(const char *path);
-
 /* A whole number from 1 to `most`, 0 after a complaint. */
 int cli_whole_number(const char *text, const char *option, int most);
 

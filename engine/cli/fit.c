@@ -286,10 +286,7 @@ static scree_status check_inputs(struct fitting *p) {
     for (int k = 0; k < 2 * p->file.experiments; k++) {
         const struct fit_experiment *e = &p->file.experiment[k / 2];
         const char *input = k % 2 ? e->scene : e->record;
-        char *home = cli_folder_of(input);
-        int same = home && scree_same_file(home, p->output.folder);
-        free(home);
-        if (same)
+        if (scree_is_in(p->output.folder, input))
             return scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL,
                                 "%s is in the folder that results would go to; name another one with -o", input);
     }

@@ -43,11 +43,6 @@ char *cli_default_folder(const char *path, const char *unnamed, const char *endi
     return strcat(folder, ending);
 }
 
-char *cli_folder_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash == path ? strdup("/") : slash ? strndup(path, (size_t)(slash - path)) : strdup(".");
-}
-
 int cli_whole_number(const char *text, const char *option, int most) {
     char *end;
     errno = 0;

@@ -226,21 +226,14 @@ static void summarise(const struct run *run, const char *folder, double seconds,
 }
 
 /* The results that came with a state are the first half of the whole: they aren't written over. The folder is made
- * first, for a name such as new/.. leads nowhere before; a link to the state lies in another folder than it. */
+ * first, for a name such as new/.. leads nowhere before. */
 static scree_status check_folder(struct run *run, const char *folder, const char *state) {
     scree_status status = scree_make_folder(folder, &run->trouble);
-    if (status) return status;
-    char *home = cli_folder_of(state), *replaced = scree_join(folder, "final.state");
-    if (!home || !replaced)
-        status = scree_report(&run->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
-    else if (scree_same_file(home, folder) || scree_same_file(state, replaced))
-        status = scree_report(&run->trouble, SCREE_BAD_INPUT, NULL,
-                              "%s: the results up to this state are in the same folder, and would be overwritten; name "
-                              "another one with -o",
-                              state);
-    free(home);
-    free(replaced);
-    return status;
+    if (status || !scree_is_in(folder, state)) return status;
+    return scree_report(&run->trouble, SCREE_BAD_INPUT, NULL,
+                        "%s: the results up to this state are in the same folder, and would be overwritten; name "
+                        "another one with -o",
+                        state);
 }
 
 static scree_status resume(struct run *run, const char *path) {
