@@ -1,9 +1,12 @@
 /* What the no-slip laws of Mindlin share: parameters, constants, stiffness and damping.
+ *
  *   k_t = 8 G* a,  a = sqrt(R d) the radius of the contact,  1/G* = (2 - nu1)/G1 + (2 - nu2)/G2
- *   R. D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16 (1949) 259, eq. (no slip, constant
- * load) c_t = 2 zeta sqrt(m k_t), as in the damping of Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239 "No slip"
- * says that the micro-slip at the border of the contact (Mindlin & Deresiewicz 1953) is left out: the contact sticks as
- * a whole or slides as a whole. m is the effective mass of the pair, R its effective radius. */
+ *   c_t = 2 zeta sqrt(m k_t)
+ *
+ * k_t: R. D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16 (1949) 259, no slip, constant load;
+ * c_t: as in the damping of Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239. "No slip" says that the micro-slip
+ * at the border of the contact (Mindlin & Deresiewicz 1953) is left out: the contact sticks as a whole or slides as a
+ * whole. m is the effective mass of the pair, R its effective radius. */
 #ifndef SCREE_CONTACT_MINDLIN_H
 #define SCREE_CONTACT_MINDLIN_H
 

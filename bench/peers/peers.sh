@@ -4,7 +4,7 @@
 usage='usage: peers.sh BUILD SCENE [ROUNDS [STEPS [STATE [PROGRAM...]]]]
 
 BUILD   a build folder of scree
-SCENE   bed (10,000 spheres), bed-large (100,000), chute (32,000)
+SCENE   bed (10,000 spheres), bed-large (100,000), chute (31,200 on a frozen base of 800)
 ROUNDS  how often each program runs (default 5)
 STEPS   in each run (default 200)
 STATE   spheres.csv to begin with; default, or -: what scree settles (kept in BUILD/peers, which takes long the first time)
@@ -12,6 +12,7 @@ PROGRAM scree, lammps, liggghts, yade: which run (default: all that are installe
 
 example: bench/peers/peers.sh build bed 5 200'
 [ $# -ge 2 ] || { echo "$usage" >&2; exit 2; }
+[ -x "$1/bench/scree-bench" ] || { echo "peers.sh: there is no $1/bench/scree-bench" >&2; exit 2; }
 build=$(realpath "$1") scene=$2 rounds=${3:-5} steps=${4:-200} programs=scree
 [ $# -gt 5 ] && programs=$(shift 5 && echo "$*")
 state=

@@ -14,7 +14,8 @@ the time of a run of no steps is taken off). Rows "alone": one sphere. Times are
 the others come from one long run (2000 steps a contact) less one of no steps. Errors of the rebound in parts of the speed: those
 of the others are against their own limit for short steps (a comment tells it), so that they are charged with the step alone.
 At the end, for each row of the others, what scree errs at the same run time.'
-[ $# -ge 1 ] || { echo "$usage" >&2; exit 2; }
+case ${1:--h} in -h | --help) echo "$usage" >&2; exit 2 ;; esac
+[ -x "$1/bench/scree-bench" ] || { echo "precision.sh: there is no $1/bench/scree-bench" >&2; exit 2; }
 build=$(realpath "$1") here=$(realpath "$(dirname "$0")")
 shift
 [ $# -ge 1 ] || set -- linear tsuji oblique

@@ -57,10 +57,10 @@ static scree_status run_loop(struct figures *figures, const char *law, const cha
 }
 
 static const char script_8[] = "set title 'Normal force over overlap: 0.03 kg at 1 m/s'\n"
-                               "set xlabel 'overlap (mm)'\nset ylabel 'normal force (N)'\nset key bottom "
-                               "right\nunset datafile columnheaders\nlaws = '%s'\n"
+                               "set xlabel 'overlap (mm)'\nset ylabel 'normal force (N)'\nset key outside right top "
+                               "font ',8'\nunset datafile columnheaders\nlaws = '%s'\n"
                                "plot for [k=1:words(laws)] 'fig_8.csv' index k-1 using ($2*1e3):3 with lines ls "
-                               "(k-1)%%7+1 title word(laws, k)\n";
+                               "(k-1)%%7+1 dt 1+(k-1)/7 title word(laws, k)\n";
 
 /* The loop of one law: into the table, and its area into the report: the energy that it lacks, the product has kept. */
 static scree_status draw_loop(struct figures *figures, const struct scree_normal_law *law, FILE *file) {
@@ -154,10 +154,10 @@ static scree_status run_friction(struct figures *figures, const struct scree_fri
 
 static const char script_9[] = "set title 'Friction coefficient over relative velocity'\n"
                                "set xlabel 'relative velocity (mm/s)'\nset ylabel 'friction force over "
-                               "normal force'\nset key bottom right\n"
+                               "normal force'\nset key outside right top font ',8'\n"
                                "unset datafile columnheaders\nset yrange [-0.45:0.45]\nlaws = '%s'\n"
                                "plot for [k=1:words(laws)] 'fig_9.csv' index k-1 using ($2*1e3):3 with lines ls "
-                               "(k-1)%%7+1 title word(laws, k)\n";
+                               "(k-1)%%7+1 dt 1+(k-1)/7 title word(laws, k)\n";
 
 /* The curve of one law into the table, and how well it follows its formula into the report. A law with memory has a
  * loop instead of a curve. */

@@ -44,7 +44,8 @@ static const double design_speed = 500.0, tolerance = 1e-3, restitutions[2] = {0
 
 static const char script_6b[] =
     "set title 'A profile planned for 500 cycles/min, scaled in time'\n"
-    "set xlabel 'operating speed (1/min)'\nset ylabel 'positioning error (mm)'\nset key outside below maxrows 2\n"
+    "set xlabel 'operating speed (1/min)'\nset ylabel 'positioning error (mm)'\nset bmargin 7\nset key outside below "
+    "maxrows 2\n"
     "set xrange [0:800]\nset yrange [-21:6]\n"
     "set arrow from 65.6, graph 0 to 65.6, graph 1 nohead lc rgb '#888888' dt 3\nset label 'n_{det}' at 72, 3\n"
     "plot 'fig_6b.csv' using 1:($2*1e3) with lines ls 1 title 'rigid, e = 0.5',\\\n"
@@ -166,7 +167,7 @@ static double simulated_clearance(void *process, const struct scree_profile *pro
 static const char script_16[] =
     "set title 'Characteristic map: velocity of the comb'\n"
     "set xlabel 'time over transport time'\nset ylabel 'operating speed (1/min)'\nset zlabel 'velocity (m/s)' rotate\n"
-    "unset key\nset hidden3d\nset view 55,325\nset ticslevel 0\nset xtics 0.25\n"
+    "unset key\nset hidden3d offset 0\nset view 55,325\nset ticslevel 0\nset xtics 0.25\n"
     "splot 'fig_16.csv' using 2:1:3 every 2:2 with lines ls 3, 'fig_16_knots.csv' using 2:1:3 with lines ls 2\n";
 
 static void write_surface(FILE *file, const scree_map *map, double cycles) {

@@ -400,7 +400,8 @@ static scree_status plot_results(const struct setting *s, struct figures *figure
     }
     print_titles(s, titles, sizeof titles);
     snprintf(script, sizeof script,
-             "unset datafile columnheaders\n%s%sset xlabel '%s' noenhanced\nset key bottom right noenhanced\nset "
+             "unset datafile columnheaders\n%s%sset xlabel '%s' noenhanced\nset key outside right top noenhanced font "
+             "',8'\nset "
              "multiplot layout 2,1\n"
              "set ylabel '%s'\n"
              "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1 title titles[k]\n"
@@ -416,11 +417,11 @@ static scree_status plot_results(const struct setting *s, struct figures *figure
 static scree_status plot_loops(const struct setting *s, struct figures *figures) {
     char titles[4096], script[8192];
     print_titles(s, titles, sizeof titles);
-    snprintf(
-        script, sizeof script,
-        "unset datafile columnheaders\n%sset xlabel 'overlap (um)'\nset ylabel 'normal force (N)'\nset key noenhanced\n"
-        "plot for [k=1:%d] 'loop.csv' index k-1 using ($4*1e6):6 with lines ls (k-1)%%7+1 title titles[k]\n",
-        titles, cases(s));
+    snprintf(script, sizeof script,
+             "unset datafile columnheaders\n%sset xlabel 'overlap (um)'\nset ylabel 'normal force (N)'\nset key "
+             "outside right top noenhanced font ',8'\n"
+             "plot for [k=1:%d] 'loop.csv' index k-1 using ($4*1e6):6 with lines ls (k-1)%%7+1 title titles[k]\n",
+             titles, cases(s));
     return figures_plot(figures, "loop", script);
 }
 

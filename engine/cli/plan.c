@@ -289,7 +289,7 @@ static double map_error(void *file, const struct scree_profile *profile, double 
 static const char script_map[] =
     "set title 'Characteristic map: velocity of the comb'\n"
     "set xlabel 'time over transport time'\nset ylabel 'operating speed (1/min)'\nset zlabel 'velocity (m/s)' rotate\n"
-    "unset key\nset hidden3d\nset view 55,325\nset ticslevel 0\n"
+    "unset key\nset hidden3d offset 0\nset view 55,325\nset ticslevel 0\n"
     "splot 'map_surface.csv' using 2:1:3 with lines ls 3\n";
 
 static scree_status write_map(struct planning *p) {
@@ -369,13 +369,13 @@ static void errors_at(const struct planning *p, const scree_plan *design, double
     errors[MAPPED] = scree_map_profile(&p->map, cycles, &profile) ? NAN : error_of(f, &profile);
 }
 
-static const char script_curves[] =
-    "set title 'Positioning error over the operating speed'\n"
-    "set xlabel 'operating speed (1/min)'\nset ylabel 'positioning error (mm)'\nset key outside below maxrows 2\n"
-    "set yrange [-5:5]\n"
-    "plot 'curves.csv' using 1:($2*1e3) with lines ls 1 title 'conventional',\\\n"
-    "     '' using 1:($3*1e3) with linespoints ls 2 title 'new, scaled',\\\n"
-    "     '' using 1:($4*1e3) with linespoints ls 3 title 'new, planned'";
+static const char script_curves[] = "set title 'Positioning error over the operating speed'\n"
+                                    "set xlabel 'operating speed (1/min)'\nset ylabel 'positioning error (mm)'\nset "
+                                    "bmargin 7\nset key outside below maxrows 2\n"
+                                    "set yrange [-5:5]\n"
+                                    "plot 'curves.csv' using 1:($2*1e3) with lines ls 1 title 'conventional',\\\n"
+                                    "     '' using 1:($3*1e3) with linespoints ls 2 title 'new, scaled',\\\n"
+                                    "     '' using 1:($4*1e3) with linespoints ls 3 title 'new, planned'";
 static const char script_mapped[] = ",\\\n     '' using 1:($5*1e3) with points ls 4 title 'new, from the map'";
 
 static double curve_speed(const struct transport_file *f, int k) {

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 static const char help[] =
-    "usage: scree reproduce [-o DIR] [--data DIR] [--threads N] [--list] [--suite NAME] [--verlet] [FIGURE …]\n"
+    "usage: scree reproduce [-o DIR] [--data DIR] [--threads N] [--list] [--verlet] [--suite NAME | FIGURE …]\n"
     "\n"
     "Simulate the verification experiments and the figures of the process model (all, or those named: see "
     "--list). For\n"
@@ -103,6 +103,12 @@ static int find_figure(const char *name) {
     return -1;
 }
 
+static int is_suite(const char *name) {
+    for (int k = 0; k < FIGURES; k++)
+        if (list[k].suite && strcmp(list[k].suite, name) == 0) return 1;
+    return 0;
+}
+
 /* Those of a suite (NULL: the figures of the process model, "all": everything), or those named. */
 static int select_figures(int count, char **words, const char *suite, int wanted[FIGURES]) {
     const char *suites[FIGURES + 2] = {"all"};
@@ -113,10 +119,13 @@ static int select_figures(int count, char **words, const char *suite, int wanted
         wanted[k] = count == 0 && (suite == NULL ? list[k].suite == NULL : of_suite || strcmp(suite, "all") == 0);
         if (list[k].suite && strcmp(list[k].suite, suites[n - 1]) != 0) suites[n++] = list[k].suite;
     }
-    if (!known) return cli_complain("there is no suite \"%s\"%s", suite, scree_hint(suite, suites).text);
-    if (suite && count) return cli_complain("either --suite or names of figures");
+    if (!known)
+        return cli_complain("there is no suite \"%s\"%s; scree reproduce --list names them", suite,
+                            scree_hint(suite, suites).text);
+    if (suite && count) return cli_complain("either --suite or names of figures or cases");
     for (int n = 0; n < count; n++) {
         int k = find_figure(words[n]);
+        if (k < 0 && is_suite(words[n])) return cli_complain("\"%s\" is a suite: --suite %s", words[n], words[n]);
         if (k < 0) return cli_complain("there is no figure \"%s\"; scree reproduce --list names them", words[n]);
         wanted[k] = 1;
     }
