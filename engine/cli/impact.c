@@ -399,18 +399,19 @@ static scree_status plot_results(const struct setting *s, struct figures *figure
         column = 3 + k;
     }
     print_titles(s, titles, sizeof titles);
-    snprintf(script, sizeof script,
-             "unset datafile columnheaders\n%s%sset xlabel '%s' noenhanced\nset key outside right top noenhanced font "
-             "',8'\nset "
-             "multiplot layout 2,1\n"
-             "set ylabel '%s'\n"
-             "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1 title titles[k]\n"
-             "unset key\nset ylabel '%s'\n"
-             "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1\n"
-             "unset multiplot\n",
-             titles, s->sweep.by_ratio ? "set logscale x\n" : "", x, over_angle ? "e_t of the centre" : "restitution",
-             cases(s), column, upper + shift, s->frictions ? "angle of rebound (degrees)" : "contact time (s)",
-             cases(s), column, lower + shift);
+    snprintf(
+        script, sizeof script,
+        "unset datafile columnheaders\n%s%sset xlabel '%s' noenhanced\nset key above maxcols 2 noenhanced font ',10'\n"
+        "set "
+        "multiplot layout 2,1\n"
+        "set ylabel '%s'\n"
+        "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1 title titles[k]\n"
+        "unset key\nset ylabel '%s'\n"
+        "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1\n"
+        "unset multiplot\n",
+        titles, s->sweep.by_ratio ? "set logscale x\n" : "", x, over_angle ? "{e_t} of the centre" : "restitution",
+        cases(s), column, upper + shift, s->frictions ? "angle of rebound (degrees)" : "contact time (s)", cases(s),
+        column, lower + shift);
     return figures_plot(figures, "impact", script);
 }
 
