@@ -188,7 +188,8 @@ static scree_status check_numbers(scree_scene *scene, const scree_body_def *def)
                                 "%s of body \"%s\" must consist of finite numbers", vectors[k].field, def->name);
     const double *q = def->orientation;
     double norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (norm2 != 0.0 && !(norm2 > 1e-12 && norm2 < 1e12))
+    int left_out = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0;
+    if (!left_out && !(norm2 > 1e-12 && norm2 < 1e12))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "orientation",
                             "the orientation of body \"%s\" is no quaternion that can be normalised", def->name);
     if (!(def->mass >= 0.0) || !isfinite(def->mass))

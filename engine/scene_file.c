@@ -419,7 +419,8 @@ static void read_orientation(struct scree_reader *r, const struct scree_toml *bo
         (!scree_toml_get(node, "angle") == !scree_toml_get(node, "degrees")))
         scree_complain(r, node, "an orientation is [w, x, y, z] or { axis = [x, y, z], angle = rad } (or degrees = …)");
     double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
-    if (!(length > 0.0)) scree_complain(r, node, "the axis must not be zero");
+    if (!(length > 1e-100 && length < 1e100))
+        scree_complain(r, node, "the axis must not be zero, nor its length beyond 1e-100 to 1e100");
     if (r->status) return;
     q[0] = cos(0.5 * angle);
     for (int k = 0; k < 3; k++) q[1 + k] = sin(0.5 * angle) * axis[k] / length;
