@@ -159,6 +159,11 @@ scree_status scree_choose_step(struct scree_scene *scene, const struct scree_spe
         scene->time.integrator = scene->time.sleep > 0.0 ? SCREE_VERLET : integrator_for(scene);
     choice->speed_given = time->speed > 0.0;
     choice->speed = choice->speed_given ? time->speed : scree_estimate_speed(scene);
+    if (!isfinite(choice->speed * choice->speed))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "speed",
+                            "the speed to reckon with, %g m/s, is beyond what numbers hold: bodies, their tips or "
+                            "motions are too fast, or fall from too high",
+                            choice->speed);
     scree_status status = time->accuracy > 0.0 ? make_trials(scene) : SCREE_OK;
     if (status) return status;
     scree_find_limits(scene, species, choice);

@@ -2,6 +2,7 @@
 #include "engine/hash.h"
 #include "engine/scene.h"
 
+#include <math.h>
 #include <string.h>
 
 int scree_scene_bodies(const scree_scene *scene) { return scene->defs; }
@@ -103,6 +104,41 @@ static void add_body_energy(const scree_scene *scene, int k, const double gravit
         energy->rotational += 0.5 * vec_dot(scree_bodies_spin(bodies, k, scree_scene_time(scene)), vec_from(state->l));
 }
 
+/* What the terms come to so far is a number. */
+static int is_number(const scree_energy *energy) {
+    return isfinite(energy->kinetic + energy->rotational + energy->potential + energy->stored);
+}
+
+static scree_status beyond_numbers(struct scree_scene *scene, int body, int other) {
+    return scree_scene_stop(scene, scree_scene_time(scene), body, other, "its energy is beyond what numbers hold");
+}
+
+static scree_status add_bodies_energy(struct scree_scene *scene, scree_energy *energy) {
+    double gravity[3];
+    scree_gravity_at(scene, scree_scene_time(scene), gravity);
+    for (int k = 0; k < scene->bodies.count; k++) {
+        add_body_energy(scene, k, gravity, energy);
+        if (!is_number(energy)) return beyond_numbers(scene, scene->bodies.number[k], -1);
+    }
+    for (int axis = 0; axis < 3; axis++) energy->potential -= gravity[axis] * scene->carried[axis];
+    return SCREE_OK;
+}
+
+static scree_status add_contacts_energy(struct scree_scene *scene, scree_energy *energy, double *stored_in_friction) {
+    const struct scree_contacts *contacts = &scene->contacts;
+    for (int b = 0; b < contacts->batches; b++) {
+        for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
+            struct scree_touch touch;
+            if (!scree_contacts_measure(contacts, &scene->shadow, b, k, &touch)) continue;
+            energy->stored += touch.stored + touch.stored_in_friction;
+            *stored_in_friction += touch.stored_in_friction;
+            if (!is_number(energy))
+                return beyond_numbers(scene, scene->bodies.number[touch.ball], scene->bodies.number[touch.host]);
+        }
+    }
+    return SCREE_OK;
+}
+
 static scree_status check_baked(scree_scene *scene) {
     if (scene->baked == 1) return SCREE_OK;
     return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be measured");
@@ -119,25 +155,23 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
     scree_status status = scree_scene_look_now(scene);
     if (status) return status;
     const struct scree_contacts *contacts = &scene->contacts;
-    double gravity[3], stored_in_friction = 0.0;
-    scree_gravity_at(scene, scree_scene_time(scene), gravity);
-    for (int k = 0; k < scene->bodies.count; k++) add_body_energy(scene, k, gravity, energy);
-    for (int axis = 0; axis < 3; axis++) energy->potential -= gravity[axis] * scene->carried[axis];
-    for (int b = 0; b < contacts->batches; b++) {
-        for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
-            struct scree_touch touch;
-            if (!scree_contacts_measure(contacts, &scene->shadow, b, k, &touch)) continue;
-            energy->stored += touch.stored + touch.stored_in_friction;
-            stored_in_friction += touch.stored_in_friction;
-        }
-    }
+    double stored_in_friction = 0.0;
+    status = add_bodies_energy(scene, energy);
+    if (!status) status = add_contacts_energy(scene, energy, &stored_in_friction);
+    if (status) return status;
     if (!scene->time.energy) return SCREE_OK;
     energy->lost_normal = contacts->lost_normal;
     energy->lost_tangential = contacts->work_tangential - stored_in_friction;
     energy->driven = scene->driven;
     energy->balance = energy->kinetic + energy->rotational + energy->potential + energy->stored + energy->lost_normal +
                       energy->lost_tangential - energy->driven - scene->first_energy;
-    return SCREE_OK;
+    if (isfinite(energy->balance)) return SCREE_OK;
+    scree_report(&scene->trouble, SCREE_FAILED, NULL,
+                 "stopped at t = %.9g s: what contacts took or drives gave is beyond what numbers hold",
+                 scree_scene_time(scene));
+    scene->trouble.time = scree_scene_time(scene);
+    scene->trouble.body = scene->trouble.other = -1;
+    return SCREE_FAILED;
 }
 
 static scree_contact_state contact_state(const scree_scene *scene, const struct scree_touch *touch) {

@@ -238,7 +238,8 @@ typedef struct scree_energy {
     double balance;
 } scree_energy;
 
-/* All zero but kinetic, rotational, potential and stored unless scree_time_def.energy was set. SCREE_NO_MEMORY. */
+/* All zero but kinetic, rotational, potential and stored unless scree_time_def.energy was set. SCREE_NO_MEMORY;
+ * SCREE_FAILED if numbers don't hold them. */
 SCREE_API scree_status scree_scene_energy(scree_scene *scene, scree_energy *energy);
 
 /* A contact that touches now. */

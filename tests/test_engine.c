@@ -755,6 +755,37 @@ static void test_stops(void) {
     scree_scene_destroy(scene);
 }
 
+/* Speeds and energies beyond what numbers hold are told, at the start and on the way. */
+static void test_beyond_numbers(void) {
+    static const char text[] = "[time]\nend = 1.0\n[output]\nwrite = [\"energy.csv\"]\n"
+                               "[[material]]\nname = \"m\"\ndensity = 1000\n"
+                               "[[body]]\nname = \"ball\"\nmaterial = \"m\"\nshape = { sphere = 0.01 }\n";
+    static const char *const cases[][2] = {
+        {"body.ball.spin=[0, 0, 1e160]", "the speed to reckon with, inf m/s"},
+        {"time.speed=1e200", "the speed to reckon with, 1e+200 m/s"},
+        {"body.ball={name=\"ball\", material=\"m\", shape={sphere=0.01}, mass=1e303, velocity=[1e4, 0, 0]}",
+         "body \"ball\": its energy is beyond"}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        scree_scene *scene;
+        struct scree_run_request request;
+        scree_trouble trouble = {0};
+        CHECK(scree_read_scene(text, strlen(text), "t", cases[k], 1, 0, &scene, &request, &trouble) != SCREE_OK);
+        CONTAINS(trouble.text, cases[k][1]);
+        scree_scene_destroy(scene);
+        scree_free_request(&request);
+    }
+    scree_scene *scene = scene_from(text, NULL, 0, 0);
+    scree_energy energy;
+    scene->bodies.state[0].v[0] = 1e200;
+    CHECK(scree_scene_energy(scene, &energy) == SCREE_FAILED);
+    CONTAINS(scree_scene_trouble(scene)->text, "\"ball\"");
+    scene->bodies.state[0].v[0] = 0.0;
+    scene->contacts.lost_normal = NAN;
+    CHECK(scree_scene_energy(scene, &energy) == SCREE_FAILED);
+    CONTAINS(scree_scene_trouble(scene)->text, "what contacts took or drives gave");
+    scree_scene_destroy(scene);
+}
+
 /* ---- definitions in C ---- */
 
 /* A scene that isn't baked, or can't be, answers every question without a crash. */
@@ -1020,6 +1051,7 @@ int main(void) {
     test_stability_limit();
     test_growth_of_stretch();
     test_stops();
+    test_beyond_numbers();
     test_definitions();
     test_softest();
     return check_report();
