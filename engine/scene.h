@@ -119,6 +119,9 @@ scree_status scree_step_watched(struct scree_scene *scene, long steps);
  * that since the last, added up. 0 if there is no memory to reckon it. */
 double scree_books_lack(scree_scene *scene);
 
+/* J that are too little to judge the books by. */
+double scree_too_little(const scree_scene *scene, const scree_energy *energy);
+
 /* Definition of body k, which must not be baked yet, without its name. */
 scree_body_def scree_scene_definition(const struct scree_scene *scene, int k);
 

@@ -65,9 +65,9 @@ static double turned_over(struct scree_watched *watched, const scree_energy *ene
            fabs(energy->driven - watched->driven);
 }
 
-/* Energy that is too little to judge by: rounding, and a millionth of the fastest impact's, since what was turned over
- * since a first touch begins with nothing. */
-static double too_little(const scree_scene *scene, const scree_energy *energy) {
+/* Rounding, and a millionth of the fastest impact's energy, since what was turned over since a first touch begins with
+ * nothing. */
+double scree_too_little(const scree_scene *scene, const scree_energy *energy) {
     const struct scree_step_choice *choice = &scene->plan.choice;
     const int *pair = choice->shortest_pair, *place = scene->bodies.place;
     double mass = pair[0] >= 0 ? scree_effective_mass(&scene->bodies, place[pair[0]], place[pair[1]]) : 0.0;
@@ -83,7 +83,7 @@ static int can_judge(const scree_scene *scene) {
 /* The share by which they are off; 0 if that is too early or too little to say. */
 static double gap_of(scree_scene *scene, const scree_energy *energy) {
     double turned = turned_over(&scene->watched, energy), gap = fabs(energy->balance - scene->watched.balance);
-    return can_judge(scene) && !(gap <= too_little(scene, energy)) ? gap / turned : 0.0;
+    return can_judge(scene) && !(gap <= scree_too_little(scene, energy)) ? gap / turned : 0.0;
 }
 
 double scree_books_lack(scree_scene *scene) {

@@ -111,6 +111,29 @@ END
 check 'books at the touch' 0 'written to' "$scree" run "$work/touch.toml" -o "$work/touch"
 case $printed in *warning*) echo "books at the touch: $printed"; failed=1 ;; esac
 
+# Neither is what spheres that rest are off by at rounding.
+cat >"$work/lattice.toml" <<'END'
+[time]
+end = 0.01
+[output]
+write = ["energy.csv"]
+[[material]]
+name = "m"
+density = 1000
+[[contact]]
+between = ["m", "m"]
+normal = { law = "linear", stiffness = 1e4, restitution = 0.5 }
+[[generate]]
+name = "g"
+kind = "lattice"
+material = "m"
+min = [0, 0, 0]
+max = [1.5, 1.5, 1.5]
+radius = 1e-3
+count = 100
+END
+expect 'books of a lattice at rest' test -z "$("$scree" run "$work/lattice.toml" --quiet -o "$work/lattice" 2>&1)"
+
 # Spheres from a generator; where they are at the end begins another scene, in every bit.
 spheres() { # spheres TABLE
     cat <<END

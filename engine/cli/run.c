@@ -78,7 +78,8 @@ static scree_status watch_books(struct run *run) {
     }
     run->largest = fmax(run->largest, energy.kinetic + energy.rotational + energy.stored);
     double turned = run->largest + energy.lost_normal + energy.lost_tangential + fabs(energy.driven);
-    double gap = fabs(energy.balance) / turned;
+    int judge = !(fabs(energy.balance) <= scree_too_little(run->scene, &energy));
+    double gap = judge ? fabs(energy.balance) / turned : 0.0;
     if (run->worst_of < 1e-9 * turned) run->worst = 0.0; /* of a motion that was nothing beside this */
     if (gap > run->worst) {
         run->worst = gap;
