@@ -151,6 +151,20 @@ static double automatic_step(struct scree_scene *scene) {
     return step;
 }
 
+/* No step: who is to blame. */
+static scree_status too_stiff(struct scree_scene *scene, const int pair[2]) {
+    const struct scree_rule *rule = scree_contacts_rule(&scene->contacts, &scene->bodies, pair[0], pair[1], NULL);
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, "step",
+                        "the contact of \"%s\" with \"%s\" (%s, %s%s%s) is so stiff or so damped at %g m/s that no "
+                        "step is short enough",
+                        scree_name_of(scene, pair[0]).text, scree_name_of(scene, pair[1]).text,
+                        scree_normal_laws[rule->normal]->text.name,
+                        rule->friction >= 0 ? scree_friction_laws[rule->friction]->text.name : "frictionless",
+                        rule->rolling >= 0 ? ", rolling " : "",
+                        rule->rolling >= 0 ? scree_rolling_laws[rule->rolling]->text.name : "",
+                        scene->plan.choice.speed);
+}
+
 scree_status scree_choose_step(struct scree_scene *scene, const struct scree_species *species) {
     struct scree_step_choice *choice = &scene->plan.choice;
     const struct scree_time_def *time = &scene->time;
@@ -172,6 +186,8 @@ scree_status scree_choose_step(struct scree_scene *scene, const struct scree_spe
     choice->automatic = time->step == 0.0;
     choice->step = choice->automatic ? automatic_step(scene) : time->step;
     int adaptive = time->integrator == SCREE_ADAPTIVE;
+    const int *blame = choice->bound_by_damping ? choice->limit_pair : choice->shortest_pair;
+    if (choice->automatic && !adaptive && !isnormal(choice->step) && blame[0] >= 0) return too_stiff(scene, blame);
     if (adaptive && choice->automatic) choice->step = time->divide > 0.0 ? time->divide : 1e-3;
     scene->step = choice->step;
     if (adaptive) return SCREE_OK; /* its own steps are as small as they must be */

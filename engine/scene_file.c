@@ -4,6 +4,7 @@
 
 #include "engine/c_locale.h"
 #include "engine/file.h"
+#include "engine/scene.h"
 #include "engine/scene_reader.h"
 
 #include <math.h>
@@ -662,13 +663,27 @@ long scree_steps_to(const scree_scene *scene, double time) {
     return (long)ceil(time / scree_scene_step_length(scene) * (1.0 - 1e-12));
 }
 
+/* "; the stiffest contact is …", where it may have set the step. */
+struct blame {
+    char text[600];
+};
+
+static struct blame stiffest_contact(const scree_scene *scene) {
+    const struct scree_step_choice *choice = &scene->plan.choice;
+    struct blame blame = {""};
+    if (choice->automatic && choice->limit_pair[0] >= 0)
+        snprintf(blame.text, sizeof blame.text, "; the stiffest contact is that of \"%s\" with \"%s\"",
+                 scree_name_of(scene, choice->limit_pair[0]).text, scree_name_of(scene, choice->limit_pair[1]).text);
+    return blame;
+}
+
 static void check_length(struct scree_reader *r) {
     double step = scree_scene_step_length(into(r)->scene);
     const struct scree_toml *every = scree_toml_get(scree_toml_get(r->root, "output"), "every");
     const struct scree_toml *end = scree_toml_get(scree_toml_get(r->root, "time"), "end");
     if (into(r)->end / step > most_steps)
-        scree_complain(r, end, "up to t = %g s it would take %.3g steps of %g s; the most is %g", into(r)->end,
-                       into(r)->end / step, step, most_steps);
+        scree_complain(r, end, "up to t = %g s it would take %.3g steps of %g s; the most is %g%s", into(r)->end,
+                       into(r)->end / step, step, most_steps, stiffest_contact(into(r)->scene).text);
     /* 1e-9: the quotient of two numbers given in decimals. */
     if (into(r)->every > 0.0 && into(r)->every < step * (1.0 - 1e-9))
         scree_complain(r, every, "rows every %g s are closer than the step of %g s", into(r)->every, step);

@@ -755,6 +755,25 @@ static void test_stops(void) {
     scree_scene_destroy(scene);
 }
 
+/* A contact for which no step is short enough is named, with its laws. */
+static void test_too_stiff(void) {
+    static const char *const cases[][3] = {{"contact.0.normal={law=\"linear\", stiffness=1e5, damping=1e308}",
+                                            "\"ball\"", "(linear, frictionless) is so stiff"},
+                                           {"contact.0.normal={law=\"linear\", stiffness=1e5, damping=1e100}",
+                                            "\"ball\"", "; the stiffest contact is that of"}};
+    char text[2048];
+    snprintf(text, sizeof text, "%snormal = { law = \"linear\", stiffness = 1e2, damping = 0.0 }\n", impact_head);
+    for (int k = 0; k < 2; k++) {
+        scree_scene *scene;
+        struct scree_run_request request;
+        scree_trouble trouble = {0};
+        CHECK(scree_read_scene(text, strlen(text), "t", cases[k], 1, 0, &scene, &request, &trouble) == SCREE_BAD_INPUT);
+        CONTAINS(trouble.text, cases[k][1]);
+        CONTAINS(trouble.text, cases[k][2]);
+        scree_free_request(&request);
+    }
+}
+
 /* Speeds and energies beyond what numbers hold are told, at the start and on the way. */
 static void test_beyond_numbers(void) {
     static const char text[] = "[time]\nend = 1.0\n[output]\nwrite = [\"energy.csv\"]\n"
@@ -1051,6 +1070,7 @@ int main(void) {
     test_stability_limit();
     test_growth_of_stretch();
     test_stops();
+    test_too_stiff();
     test_beyond_numbers();
     test_definitions();
     test_softest();
