@@ -258,7 +258,8 @@ check 'impact: glue holds what comes slowly' 0 ',stayed' "$scree" impact --law '
 if command -v gnuplot >/dev/null; then expect 'impact: its plot' grep -q '</svg>' "$work/impact/impact.svg"; fi
 for wrong in "did you mean \"hertz\"?|--law|herz modulus=1" "did you mean \"modulus\"?|--law|hertz modulu=1" \
     "not both|--law|tsuji modulus=1e8 alpha=1 restitution=0.5" "neither is given|--law|tsuji modulus=1e8" \
-    "must be > 0|--law|hertz modulus=-1" "takes a number|--law|hertz modulus=x" "expected NAME=NUMBER|--law|hertz modulus" \
+    "must be > 0|--law|hertz modulus=-1" "takes a number|--law|hertz modulus=x" "stiffness takes a finite number|--law|linear stiffness=inf" \
+    "tilt_x takes a finite number|--ball|box x=1 y=1 z=1 mass=1 tilt_x=inf" "expected NAME=NUMBER|--law|hertz modulus" \
     "given twice|--law|hertz modulus=1 modulus=2" "young|--law|hertz" "has no \"radios\"|--ball|sphere radios=1" \
     "either mass|--ball|sphere radius=1" "not both|--ball|sphere radius=1 mass=1 density=1" "no shape|--ball|cube x=1" \
     "a plane can't move|--ball|plane" "takes a number|--speed|x" "speed must be|--speed|-1" "below 90|--angle|90" \

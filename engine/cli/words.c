@@ -15,6 +15,9 @@ static scree_status read_setting(struct words *words, char *word, const char *op
     if (*end || isnan(value))
         return scree_report(trouble, SCREE_BAD_INPUT, option, "%s \"%s …\": %s takes a number, not \"%s\"", option,
                             words->name, word, equals + 1);
+    if (isinf(value) && strcmp(word, "young") != 0) /* inf: rigid */
+        return scree_report(trouble, SCREE_BAD_INPUT, option, "%s \"%s …\": %s takes a finite number, not \"%s\"",
+                            option, words->name, word, equals + 1);
     for (int k = 0; k < words->settings; k++)
         if (strcmp(words->setting[k].name, word) == 0)
             return scree_report(trouble, SCREE_BAD_INPUT, option, "%s \"%s …\": %s is given twice", option, words->name,
