@@ -46,6 +46,31 @@ int scree_find_named(struct scree_reader *r, const struct scree_toml *node, cons
     return 0;
 }
 
+/* ---- units of motions ---- */
+
+static const char *const unit_names[] = {"", "m", "rad"};
+
+static void note_unit(struct scree_reader *r, int motion, enum scree_motion_unit unit) {
+    enum scree_motion_unit *units = realloc(into(r)->motion_unit, ((size_t)motion + 1) * sizeof *units);
+    if (!units) {
+        r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for the units of motions");
+        return;
+    }
+    into(r)->motion_unit = units;
+    units[motion] = unit;
+}
+
+/* The motion that a string names, which drives `what`, in `unit`. */
+static int find_motion(struct scree_reader *r, const struct scree_toml *node, const char *what,
+                       enum scree_motion_unit unit) {
+    int motion = scree_find_named(r, node, "motion", scree_scene_find_motion);
+    enum scree_motion_unit own = r->status ? SCREE_ANY_UNIT : into(r)->motion_unit[motion];
+    if (own != SCREE_ANY_UNIT && own != unit)
+        scree_complain(r, node, "the motion \"%s\" is in %s, and %s goes by %s", node->string, unit_names[own], what,
+                       unit_names[unit]);
+    return motion;
+}
+
 /* ---- tables of the file ---- */
 
 static void read_material(struct scree_reader *r, const struct scree_toml *table) {
@@ -193,7 +218,8 @@ static void read_contact(struct scree_reader *r, const struct scree_toml *table)
     free_forces(&forces);
 }
 
-/* The columns of a motion table, with the names that they may have: the quantity, or the quantity and its unit. */
+/* The columns of a motion table, with the names that they may have: the quantity, or the quantity and its unit (by enum
+ * scree_motion_unit). */
 static const struct {
     const char *quantity, *names[4];
 } motion_columns[] = {{"time", {"time", "time_s"}},
@@ -257,6 +283,31 @@ static void check_motion_columns(struct scree_reader *r, const char *path, const
                                 table->rows);
 }
 
+/* The unit that a column's name tells. */
+static enum scree_motion_unit unit_of(const char *name) {
+    for (int m = 1; m < MOTION_COLUMNS; m++)
+        for (int unit = SCREE_METRES; unit <= SCREE_RADIANS; unit++)
+            if (strcmp(name, motion_columns[m].names[unit]) == 0) return (enum scree_motion_unit)unit;
+    return SCREE_ANY_UNIT;
+}
+
+/* That of all columns; a mixture is refused. */
+static enum scree_motion_unit unit_of_columns(struct scree_reader *r, const char *path, const struct scree_table *table,
+                                              int lift) {
+    enum scree_motion_unit unit = SCREE_ANY_UNIT;
+    for (int k = 0; k < table->columns && !r->status; k++) {
+        const char *name = motion_column(table->name[k], lift);
+        enum scree_motion_unit own = name ? unit_of(name) : SCREE_ANY_UNIT;
+        if (own == SCREE_ANY_UNIT) continue;
+        if (unit != SCREE_ANY_UNIT && own != unit)
+            scree_complain_in_table(r, path, table->header, table->at[k],
+                                    "\"%s\" goes by %s, and a column before it by %s", table->name[k], unit_names[own],
+                                    unit_names[unit]);
+        unit = own;
+    }
+    return unit;
+}
+
 /* The times of a motion's rows increase. */
 static void check_times(struct scree_reader *r, const struct scree_toml *rows, const struct scree_table *table) {
     size_t n = 0;
@@ -268,7 +319,7 @@ static void check_times(struct scree_reader *r, const struct scree_toml *rows, c
 }
 
 static void read_motion_table(struct scree_reader *r, const struct scree_toml *table, scree_motion_def *def,
-                              struct scree_table *columns) {
+                              struct scree_table *columns, enum scree_motion_unit *unit) {
     static const char *const laws[] = {"linear", "spline", "cubic", "quintic", "velocity-quintic", NULL};
     const struct scree_toml *file = scree_toml_get(table, "file"), *rows = scree_toml_get(table, "rows");
     if (!file == !rows) {
@@ -283,6 +334,7 @@ static void read_motion_table(struct scree_reader *r, const struct scree_toml *t
     if (r->status) return;
     char *path = file ? scree_read_table_file(r, file, "time", columns) : NULL;
     if (path) check_motion_columns(r, path, columns, lift);
+    if (path) *unit = unit_of_columns(r, path, columns, lift);
     free(path);
     static const char *const names[] = {"time", "position", "velocity", "acceleration", "jerk", NULL};
     if (!file)
@@ -346,8 +398,11 @@ static void read_motion(struct scree_reader *r, const struct scree_toml *table) 
                             .phase = scree_read_number(r, table, "phase", 0.0)};
     if (law) def.rise = (scree_rise_law)scree_choose(r, law, "law", rises);
     struct scree_table columns = {0};
-    if (!r->status && def.kind == SCREE_MOTION_TABLE) read_motion_table(r, table, &def, &columns);
-    if (!r->status) scree_pass_on(r, scree_scene_add_motion(into(r)->scene, &def, NULL), table);
+    enum scree_motion_unit unit = SCREE_ANY_UNIT;
+    int index = 0;
+    if (!r->status && def.kind == SCREE_MOTION_TABLE) read_motion_table(r, table, &def, &columns, &unit);
+    if (!r->status) scree_pass_on(r, scree_scene_add_motion(into(r)->scene, &def, &index), table);
+    if (!r->status) note_unit(r, index, unit);
     scree_table_free(&columns);
 }
 
@@ -364,7 +419,7 @@ static void read_gravity(struct scree_reader *r) {
         scree_read_numbers(r, node, "axis", 3, def.axis);
         const struct scree_toml *tilt = scree_toml_get(node, "tilt");
         def.tilts = tilt != NULL;
-        if (tilt) def.tilt = scree_find_named(r, tilt, "motion", scree_scene_find_motion);
+        if (tilt) def.tilt = find_motion(r, tilt, "a tilt", SCREE_RADIANS);
         if (!tilt && scree_toml_get(node, "axis"))
             scree_complain(r, scree_toml_get(node, "axis"),
                            "gravity has an axis only to tilt about: add tilt = \"motion\"");
@@ -428,10 +483,11 @@ static void read_orientation(struct scree_reader *r, const struct scree_toml *bo
 }
 
 /* "free", "fixed" or the name of a motion. */
-static scree_freedom read_freedom(struct scree_reader *r, const struct scree_toml *node, int *motion) {
+static scree_freedom read_freedom(struct scree_reader *r, const struct scree_toml *node, const char *what,
+                                  enum scree_motion_unit unit, int *motion) {
     if (node->type == SCREE_TOML_STRING && strcmp(node->string, "free") == 0) return SCREE_FREE;
     if (node->type == SCREE_TOML_STRING && strcmp(node->string, "fixed") == 0) return SCREE_FIXED;
-    *motion = scree_find_named(r, node, "motion", scree_scene_find_motion);
+    *motion = find_motion(r, node, what, unit);
     return SCREE_DRIVEN;
 }
 
@@ -439,7 +495,7 @@ static scree_freedom read_freedom(struct scree_reader *r, const struct scree_tom
 static void read_turn(struct scree_reader *r, const struct scree_toml *node, scree_joint *joint) {
     static const char *const keys[] = {"hinge", "axis", "motion", NULL};
     if (node->type != SCREE_TOML_TABLE) {
-        joint->turn = read_freedom(r, node, &joint->turn_motion);
+        joint->turn = read_freedom(r, node, "a turn", SCREE_RADIANS, &joint->turn_motion);
         if (!r->status && joint->turn == SCREE_DRIVEN)
             scree_complain(r, node, "a driven turn needs its axis: turn = { axis = [x, y, z], motion = \"%s\" }",
                            node->string);
@@ -461,7 +517,7 @@ static void read_turn(struct scree_reader *r, const struct scree_toml *node, scr
         return;
     }
     joint->turn = SCREE_DRIVEN;
-    joint->turn_motion = scree_find_named(r, motion, "motion", scree_scene_find_motion);
+    joint->turn_motion = find_motion(r, motion, "a turn", SCREE_RADIANS);
 }
 
 void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scree_joint *joint) {
@@ -477,7 +533,7 @@ void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scr
     scree_check_keys(r, node, "joint", keys);
     for (int k = 0; k < 3; k++) {
         const struct scree_toml *along = scree_toml_get(node, keys[k]);
-        if (along) joint->along[k] = read_freedom(r, along, &joint->along_motion[k]);
+        if (along) joint->along[k] = read_freedom(r, along, keys[k], SCREE_METRES, &joint->along_motion[k]);
     }
     const struct scree_toml *turn = scree_toml_get(node, "turn");
     if (turn) read_turn(r, turn, joint);
@@ -725,6 +781,7 @@ scree_status scree_read_scene(const char *text, size_t size, const char *name, c
     struct scree_c_locale locale = scree_enter_c_locale();
     define(&r, &document, text, size, assignments, assignment_count);
     scree_toml_free(&document);
+    free(target.motion_unit);
     scree_leave_c_locale(locale);
     if (r.status)
         scree_scene_destroy(target.scene);

@@ -5,12 +5,16 @@
 #include "engine/reader.h"
 #include "engine/scene_file.h"
 
+/* What a motion's numbers are in; rows without a file say nothing of it. */
+enum scree_motion_unit { SCREE_ANY_UNIT, SCREE_METRES, SCREE_RADIANS };
+
 /* What a scene file is read into (scree_reader.into). */
 struct scree_scene_target {
     scree_scene *scene;
     struct scree_run_request *request;
     int threads;
     double end, every;
+    enum scree_motion_unit *motion_unit; /* of each motion; owned */
 };
 
 /* Pass on what the library said of a definition that came from `table`. */

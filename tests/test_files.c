@@ -400,6 +400,23 @@ static void test_hinge(void) {
 
 /* ---- motions from a table in a file ---- */
 
+/* What is said of the scene at `path`, "s.toml" beside the motion's table "m.csv"; nothing: it is read. */
+static void expect_with_table(const char *path, const char *text, const char *table, const char *message) {
+    char of_table[64];
+    snprintf(of_table, sizeof of_table, "%.*sm.csv", (int)(strlen(path) - strlen("s.toml")), path);
+    FILE *file = fopen(of_table, "w");
+    CHECK(file && fputs(table, file) >= 0 && fclose(file) == 0);
+    scree_scene *scene;
+    struct scree_run_request request;
+    scree_trouble trouble = {0};
+    scree_status status = scree_read_scene(text, strlen(text), path, NULL, 0, 0, &scene, &request, &trouble);
+    CHECK(status == (message[0] ? SCREE_BAD_INPUT : SCREE_OK));
+    CONTAINS(trouble.text, message);
+    scree_scene_destroy(scene);
+    scree_free_request(&request);
+    CHECK(remove(of_table) == 0);
+}
+
 static void test_motion_files(void) {
     static const char *const cases[][2] = {
         {"time_ms,position_m\n0,0\n1,1\n",
@@ -412,26 +429,32 @@ static void test_motion_files(void) {
         {"time,position,acceleration\n0,0,0\n1,1,0\n", "m.csv:1:1: the acceleration of a motion counts only beside"},
         {"time,position\n0,0\n", "m.csv: a motion needs at least 2 rows"},
         {"# c\ntime,position\n0,0\n# c\n0,1\n", "m.csv:5:1: time must increase: 0 after 0"},
-        {"\xef\xbb\xbf\"time_s\",\"position_rad\"\n0,0\n1,1\n", ""}};
-    char folder[] = "/tmp/scree-test-XXXXXX", path[64], name[64];
+        {"time_s,position_m,velocity_rad_s\n0,0,0\n1,1,0\n",
+         "m.csv:1:19: \"velocity_rad_s\" goes by rad, and a column before it by m"},
+        {"time_s,position_rad\n0,0\n1,1\n", "s.toml:23:15: the motion \"m\" is in rad, and x goes by m"},
+        {"\xef\xbb\xbf\"time_s\",\"position_m\"\n0,0\n1,1\n", ""},
+        {"time,position\n0,0\n1,1\n", ""}};
+    /* What goes by rad: line, text, and what is said of a table in m. */
+    static const struct {
+        int line;
+        const char *text, *message;
+    } turns[] = {{2, "gravity = { vector = [0, 0, -9.81], axis = [0, 1, 0], tilt = \"m\" }",
+                  "s.toml:2:62: the motion \"m\" is in m, and a tilt goes by rad"},
+                 {23, "joint = { turn = { axis = [0, 0, 1], motion = \"m\" }, others = \"fixed\" }",
+                  "s.toml:23:47: the motion \"m\" is in m, and a turn"}};
+    char folder[] = "/tmp/scree-test-XXXXXX", path[64];
     CHECK(mkdtemp(folder) != NULL);
-    snprintf(path, sizeof path, "%s/m.csv", folder);
-    snprintf(name, sizeof name, "%s/s.toml", folder);
+    snprintf(path, sizeof path, "%s/s.toml", folder);
     char *text = with_line(17, "file = \"m.csv\"");
-    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        scree_scene *scene;
-        struct scree_run_request request;
-        scree_trouble trouble = {0};
-        FILE *file = fopen(path, "w");
-        CHECK(file && fputs(cases[k][0], file) >= 0 && fclose(file) == 0);
-        scree_status status = scree_read_scene(text, strlen(text), name, NULL, 0, 0, &scene, &request, &trouble);
-        CHECK(status == (cases[k][1][0] ? SCREE_BAD_INPUT : SCREE_OK));
-        CONTAINS(trouble.text, cases[k][1]);
-        scree_scene_destroy(scene);
-        scree_free_request(&request);
-    }
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) expect_with_table(path, text, cases[k][0], cases[k][1]);
     free(text);
-    CHECK(remove(path) == 0 && remove(folder) == 0);
+    for (size_t k = 0; k < sizeof turns / sizeof turns[0]; k++) {
+        char *whole = with_line(turns[k].line, turns[k].text), *rows = strstr(whole, "rows = [[0, 0], [1, 1]]");
+        memcpy(rows, "file = \"m.csv\"         ", 23);
+        expect_with_table(path, whole, "time_s,position_m\n0,0\n1,1\n", turns[k].message);
+        free(whole);
+    }
+    CHECK(remove(folder) == 0);
 }
 
 /* ---- messages ---- */
