@@ -48,6 +48,13 @@ static scree_status make_room(scree_scene *scene, void **array, int count, int *
     return SCREE_OK;
 }
 
+/* A line feed, an escape, …; what would break a line of a table, or do things to a terminal. */
+static int has_control(const char *name) {
+    for (const unsigned char *c = (const unsigned char *)name; *c; c++)
+        if (*c < 0x20 || *c == 0x7f || (*c == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0)) return 1;
+    return 0;
+}
+
 static scree_status check_new(scree_scene *scene, const char *what, const char *name, int known) {
     if (scene->baked)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene takes no new %s", what);
@@ -56,6 +63,9 @@ static scree_status check_new(scree_scene *scene, const char *what, const char *
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name",
                             "the name of a %s has at most %d bytes, \"%s\" has %zu", what, SCREE_NAME_LENGTH, name,
                             strlen(name));
+    if (has_control(name))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name",
+                            "the name of a %s is one line without control characters, not \"%s\"", what, name);
     if (known >= 0)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "name", "there are two of the %s \"%s\"", what, name);
     return SCREE_OK;

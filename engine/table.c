@@ -60,12 +60,15 @@ static char *unquote(char *cell) {
     return end;
 }
 
-/* Cut off the next cell of a line, without the blanks and the quotes around it; NULL behind the last. */
-static char *next_cell(char **line) {
+/* Cut off the next cell of a line, without the blanks and the quotes around it; NULL behind the last. `odd`: it begins
+ * with a quote and doesn't end with one. */
+static char *next_cell(char **line, int *odd) {
     char *cell = *line;
     if (!cell) return NULL;
     cell += strspn(cell, " \t");
+    int begins = *cell == '"';
     char *quoted = unquote(cell), *end = quoted ? quoted : cell + strcspn(cell, ",");
+    *odd = begins && !quoted;
     *line = *end ? end + 1 : NULL;
     if (quoted) return cell;
     *end = '\0';
@@ -79,10 +82,14 @@ static int is_called(const char *name, const char *word) {
     return strncmp(name, word, length) == 0 && (name[length] == '\0' || name[length] == '_');
 }
 
+static const char odd_quotes[] = "%s: a quote that isn't closed, or closed before the cell's end";
+
 static scree_status parse_header(struct reader *r, char *line) {
     struct scree_table *table = r->table;
     table->header = r->line;
-    for (char *name; (name = next_cell(&line));) {
+    int odd;
+    for (char *name; (name = next_cell(&line, &odd));) {
+        if (odd) return complain(r, name, odd_quotes, name);
         if (table->columns == SCREE_TABLE_COLUMNS)
             return complain(r, name, "more than %d columns", SCREE_TABLE_COLUMNS);
         if (!*name || strchr("+-.0123456789", *name))
@@ -108,8 +115,9 @@ static int parse_number(const char *cell, double *value) {
 
 static scree_status parse_row(struct reader *r, char *line) {
     struct scree_table *table = r->table;
-    int k = 0;
-    for (char *cell; (cell = next_cell(&line)); k++) {
+    int k = 0, odd;
+    for (char *cell; (cell = next_cell(&line, &odd)); k++) {
+        if (odd) return complain(r, cell, odd_quotes, cell);
         if (k == table->columns)
             return complain(r, cell, "wrong number of columns: expected %d (%s …)", table->columns, table->name[0]);
         double *column = table->column[k];
