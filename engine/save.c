@@ -6,7 +6,9 @@
 #include "engine/scene.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -454,6 +456,73 @@ static struct memory *get_memories(const scree_scene *scene, struct stream *s, l
     return memory;
 }
 
+/* ---- whether a state makes sense, whatever its hash says ---- */
+
+static int all_finite(const void *data, size_t from, size_t end) {
+    for (; from < end; from += sizeof(double)) {
+        double number;
+        memcpy(&number, (const char *)data + from, sizeof number);
+        if (!isfinite(number)) return 0;
+    }
+    return 1;
+}
+
+static int is_body(const scree_scene *scene, int number) { return number >= 0 && number < scene->bodies.count; }
+
+static int scalars_hold(const scree_scene *scene, const struct scalars *scalars) {
+    const struct scree_watched *watched = &scalars->watched;
+    const int pairs[] = {scalars->deepest_ball, scalars->deepest_host, scalars->steepest_ball, scalars->steepest_host};
+    for (int k = 0; k < 4; k++)
+        if (pairs[k] != -1 && !is_body(scene, pairs[k])) return 0;
+    return scalars->steps >= 0 && scalars->step > 0.0 && watched->halvings >= 0 &&
+           watched->halvings <= SCREE_HALVINGS && isfinite(scalars->inner_step) &&
+           all_finite(scalars, offsetof(struct scalars, step), offsetof(struct scalars, deepest_ball)) &&
+           all_finite(watched, offsetof(struct scree_watched, since), sizeof *watched);
+}
+
+static int order_holds(const struct scree_order *order, int count) {
+    int last = 0;
+    if (order->slabs < 0 || order->slabs > SCREE_SLABS || order->members < 0 || order->members > count) return 0;
+    if (order->slabs == 0) return 1; /* the rest isn't looked at */
+    for (int slab = 0; slab <= order->slabs; slab++) {
+        if (order->start[slab] < last || order->start[slab] > count) return 0;
+        last = order->start[slab];
+    }
+    for (int k = 0; k < 3; k++)
+        if (order->axis[k] < 0 || order->axis[k] > 2) return 0;
+    return all_finite(order, offsetof(struct scree_order, low), sizeof *order);
+}
+
+/* Numbers of bodies come once each. */
+static int parts_hold(const scree_scene *scene, const struct body_part *part) {
+    int count = scene->bodies.count, *seen = scene->contacts.rough.memory; /* as in take_places */
+    memset(seen, 0, (size_t)count * sizeof *seen);
+    for (int k = 0; k < count; k++) {
+        int number = part[k].number;
+        if (!is_body(scene, number) || seen[number]++) return 0;
+        if (!all_finite(&part[k], offsetof(struct body_part, x), sizeof part[k])) return 0;
+    }
+    return 1;
+}
+
+static int memory_holds(const scree_scene *scene, const struct memory *memory) {
+    const struct scree_contact *contact = &memory->contact;
+    enum scree_geometry geometry = scene->contacts.batch[memory->batch].geometry;
+    int corners = 1 + 8 * scene->bodies.attitudes;
+    if (geometry == SCREE_BALL_IMAGE) corners = INT_MAX;
+    if (geometry == SCREE_EDGE_EDGE) corners = 1 + SCREE_EDGES * SCREE_EDGES;
+    return is_body(scene, contact->ball) && is_body(scene, contact->host) && contact->corner >= 0 &&
+           contact->corner < corners && all_finite(memory, offsetof(struct memory, kept), sizeof *memory);
+}
+
+static int state_holds(const scree_scene *scene, const struct scree_order *order, const struct body_part *part,
+                       const struct memory *memory, long memories) {
+    if (!order_holds(order, scene->bodies.count) || !parts_hold(scene, part)) return 0;
+    for (long k = 0; k < memories; k++)
+        if (!memory_holds(scene, &memory[k])) return 0;
+    return 1;
+}
+
 /* The arrays behind the head, and the hash; nothing is changed yet. */
 static scree_status read_rest(scree_scene *scene, struct stream *s, const char *name, struct scree_order *order,
                               struct body_part *part, struct memory **memory, long memories) {
@@ -463,7 +532,7 @@ static scree_status read_rest(scree_scene *scene, struct stream *s, const char *
     if (!*memory) return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL, "%s: no memory for the state", name);
     uint64_t hash = s->hash, stored = 0;
     get(s, &stored, sizeof stored);
-    if (s->failed || hash != stored)
+    if (s->failed || hash != stored || !state_holds(scene, order, part, *memory, memories))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "%s: this state file is damaged or incomplete",
                             name);
     return SCREE_OK;
@@ -488,7 +557,7 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     get(&s, &prints, sizeof prints);
     get(&s, &scalars, sizeof scalars);
     get(&s, &memories, sizeof memories);
-    if (s.failed || scalars.watched.halvings < 0 || scalars.watched.halvings > SCREE_HALVINGS)
+    if (s.failed || !scalars_hold(scene, &scalars))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "%s: this state file is damaged or incomplete",
                             name);
     scree_status status = compare(scene, &prints, &scalars, name);

@@ -510,6 +510,48 @@ static void test_other_scenes(void) {
     scree_scene_destroy(scene);
 }
 
+/* What makes no sense in a state is refused though its hash is right; it is there while the scene is saved. */
+static void test_senseless_states(void) {
+    static const int numbers[] = {99999999, 0, -1, 3, 65};
+    static const long steps = -5;
+    static const double nan = NAN;
+    scree_scene *scene = scene_from(parts_text, NULL, 0, 0);
+    go(scene, 50);
+    struct scree_bodies *bodies = &scene->bodies;
+    struct scree_batch *batch = scene->contacts.batch;
+    while (!batch->count) batch++;
+    const struct {
+        void *place;
+        const void *bad;
+        size_t size;
+    } cases[] = {{&bodies->number[1], &numbers[0], sizeof(int)},
+                 {&bodies->number[1], &numbers[1], sizeof(int)},
+                 {&bodies->number[1], &numbers[2], sizeof(int)},
+                 {&bodies->order.slabs, &numbers[4], sizeof(int)},
+                 {&batch->ends[0].ball, &numbers[3], sizeof(int)},
+                 {&batch->ends[0].host, &numbers[2], sizeof(int)},
+                 {&scene->contacts.deepest_host, &numbers[3], sizeof(int)},
+                 {&scene->steps, &steps, sizeof(long)},
+                 {&bodies->position[1][2], &nan, sizeof(double)},
+                 {&bodies->record[2].t[1], &nan, sizeof(double)},
+                 {&scene->driven, &nan, sizeof(double)},
+                 {&scene->watched.motion, &nan, sizeof(double)},
+                 {&batch->kept[0][0], &nan, sizeof(double)}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char good[sizeof(double)];
+        FILE *file = tmpfile();
+        memcpy(good, cases[k].place, cases[k].size);
+        memcpy(cases[k].place, cases[k].bad, cases[k].size);
+        CHECK(scree_scene_save(scene, file, "memory") == SCREE_OK);
+        memcpy(cases[k].place, good, cases[k].size);
+        scree_scene *other = restore_into(file, NULL, SCREE_BAD_INPUT);
+        CONTAINS(scree_scene_trouble(other)->text, "damaged");
+        scree_scene_destroy(other);
+        fclose(file);
+    }
+    scree_scene_destroy(scene);
+}
+
 /* Books that begin at a state which holds none are those of a run that starts there: they close. */
 static void test_books_begin(void) {
     const char *energy = "output={write=[\"energy.csv\"]}";
@@ -1063,6 +1105,7 @@ int main(void) {
     test_same_bits();
     test_restore_forgets_lists();
     test_other_scenes();
+    test_senseless_states();
     test_books_begin();
     test_golden();
     test_plan();
