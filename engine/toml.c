@@ -404,8 +404,10 @@ static struct scree_toml *parse_number(struct parser *p) {
         ok = 0;
     }
     if (!ok) {
-        complain(p, "\"%.*s\" is no number, true, false, string, array or table",
-                 (int)(c - start < 40 ? c - start : 40), start);
+        /* A shell has taken the quotes, most often. */
+        const char *hint = isalpha((unsigned char)*start) ? "; a string stands in quotes (in a shell, '\"…\"')" : "";
+        complain(p, "\"%.*s\" is no number, true, false, string, array or table%s",
+                 (int)(c - start < 40 ? c - start : 40), start, hint);
         return NULL;
     }
     p->at = c;

@@ -374,6 +374,7 @@ expect 'the first half is still as it was' test "$first" = "$(cksum <"$work/boun
 
 # A step far too long, halved where the run goes wrong; the second half of such a run goes on with the step that it had.
 coarse() { bounce --set time.integrator='"verlet"' --set time.step=2e-3 --set time.force=true --set output.every=0.02 "$@"; }
+check 'a string without quotes' 2 'a string stands in quotes' bounce --set time.integrator=verlet
 check 'a step too long stops' 1 'stopped at t = ' coarse -o long
 check 'a step too long is halved' 0 'on with half the step, 0.001 s' coarse --set time.watch='"halve"' -o halved
 expect 'rows in spite of halving' test "$(tail -n 1 "$work/halved/bodies.csv" | cut -d, -f1)" = 1
