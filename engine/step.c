@@ -47,21 +47,28 @@ enum { STEPS_TO_LOOK = 16, FEW = 64 };
 
 static int is_look(const scree_scene *scene) { return scene->steps % STEPS_TO_LOOK == 0; }
 
-/* The most that a point of a body goes in a second, m; 0 if that is less than `enough` for sure, which takes no root.
- */
-static double speed_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k, double enough) {
+/* Whether a point of a body may go farther in a step than that, m: sure if not, and found without root or quotient. */
+static int may_exceed(const struct scree_bodies *bodies, const struct scree_bodies *now, int k, double step,
+                      double way) {
+    double lever = bodies->record[k].bound, around = vec_norm2(scree_spin_of(now, k)) * lever * lever;
+    double square = vec_norm2(vec_from(now->record[k].v)) + around;
+    return bodies->class[k] != SCREE_CLASS_FIXED && !(2.0 * square * step * step < way * way);
+}
+
+/* The most that a point of a body goes in a second, m. */
+static double speed_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
     int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
-    double lever = plane ? 0.0 : bodies->record[k].bound, along = vec_norm2(vec_from(now->record[k].v));
-    double around = vec_norm2(scree_spin_of(now, k)) * lever * lever;
-    return 2.0 * (along + around) < enough * enough ? 0.0 : sqrt(along) + sqrt(around);
+    double around = plane ? 0.0 : vec_norm(scree_spin_of(now, k)) * bodies->record[k].bound;
+    return vec_norm(vec_from(now->record[k].v)) + around;
 }
 
 /* A body that crosses in one step, at its speed of `now`, what a new list keeps watch over. */
 static scree_status check_haste(scree_scene *scene, const struct scree_bodies *now) {
     const struct scree_bodies *bodies = &scene->bodies;
-    double seen = scene->contacts.chosen_skin / scene->step;
+    double step = scene->step, seen = scene->contacts.chosen_skin, most = scene->hasty * seen;
     for (int k = 0; k < bodies->count; k++) {
-        double hasty = speed_of(bodies, now, k, scene->hasty * seen) / seen;
+        if (!may_exceed(bodies, now, k, step, most)) continue;
+        double hasty = speed_of(bodies, now, k) * step / seen;
         if (!(hasty > scene->hasty)) continue;
         scene->hasty = hasty;
         scene->hastiest = bodies->number[k];
