@@ -296,9 +296,12 @@ int bench_precision(int count, char **words) {
         known |= only && strcmp(only, precision_cases[k].name) == 0;
         names[n++] = precision_cases[k].name;
     }
-    if (!known)
-        return cli_complain("there is no case \"%s\"%s%s", only, many ? " of many at once" : "",
+    if (!known) {
+        code = cli_complain("there is no case \"%s\"%s%s; there are", only, many ? " of many at once" : "",
                             scree_hint(only, names).text);
+        for (int n = 0; names[n]; n++) fprintf(stderr, "  %s\n", names[n]);
+        return code;
+    }
     bench_describe_machine();
     printf("case,integrator,steps_per_contact,step_s,largest_error,run_us,ns_per_step,rms_error\n");
     for (int k = 0; k < precision_case_count; k++) {
