@@ -161,10 +161,8 @@ static void note_depth(struct scree_contacts *contacts, const struct scree_bodie
 /* Of a contact of two boxes, in one order, whichever of them the list names first. */
 static void note_pair(struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
     if (scree_kind_of(bodies, i)->shape.kind != SCREE_BOX || scree_kind_of(bodies, j)->shape.kind != SCREE_BOX) return;
-    int swap = bodies->number[i] > bodies->number[j], ball = swap ? j : i, host = swap ? i : j;
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, ball, host);
-    if (scree_cores_overlap(&boxes) + boxes.rounding_a + boxes.rounding_b > 0.0)
-        note_depth(contacts, bodies, ball, host);
+    int swap = bodies->number[i] > bodies->number[j];
+    note_depth(contacts, bodies, swap ? j : i, swap ? i : j);
 }
 
 void scree_contacts_note_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies) {

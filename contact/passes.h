@@ -136,6 +136,7 @@ SCREE_FRICTION_LAWS(FRICTION_PASS)
 
 /* ---- sliders, behind their first pass ---- */
 
+/* Those that begin in this step count from the touch (scree_since_touch). */
 static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {

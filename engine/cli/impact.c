@@ -402,8 +402,7 @@ static scree_status plot_results(const struct setting *s, struct figures *figure
     snprintf(
         script, sizeof script,
         "unset datafile columnheaders\n%s%sset xlabel '%s' noenhanced\nset key above maxcols 2 noenhanced font ',10'\n"
-        "set "
-        "multiplot layout 2,1\n"
+        "set multiplot layout 2,1\n"
         "set ylabel '%s'\n"
         "plot for [k=1:%d] 'impact.csv' index k-1 using %d:%d with lines ls (k-1)%%7+1 title titles[k]\n"
         "unset key\nset ylabel '%s'\n"
