@@ -1,4 +1,4 @@
-/* What the readers of a scene file's tables share (scene_file.c, scene_spheres.c). */
+/* What the readers of a scene file's tables share (scene_file.c, scene_motions.c, scene_spheres.c). */
 #ifndef SCREE_ENGINE_SCENE_READER_H
 #define SCREE_ENGINE_SCENE_READER_H
 
@@ -30,6 +30,13 @@ struct scree_hint scree_hint_of(const struct scree_reader *r, const char *what, 
 
 /* joint = "free", "fixed", or { x = …, y = …, z = …, turn = …, others = "fixed" } */
 void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scree_joint *joint);
+
+/* [[motion]] */
+void scree_read_motion(struct scree_reader *r, const struct scree_toml *table);
+
+/* The motion that a string names, which drives `what`, in `unit`. */
+int scree_read_driver(struct scree_reader *r, const struct scree_toml *node, const char *what,
+                      enum scree_motion_unit unit);
 
 /* [domain]: where bodies start, and the axes along which all repeats. */
 void scree_read_domain(struct scree_reader *r);
