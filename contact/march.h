@@ -382,7 +382,7 @@ static int lanes_near(const struct smooth_pass *pass, int count, int side, struc
 /* Past the events of the step that was tried; lanes without one stay where they are. */
 static void go_past(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
     const double none[SCREE_LANES] = {0.0};
-    double own[SCREE_LANES], first[SCREE_LANES];
+    double own[SCREE_LANES] = {0.0}, first[SCREE_LANES];
     int again = 0;
     for (int k = 0; k < padded(count); k++) {
         own[k] = event[k] >= TURNS && event[k] <= ENDS && x->c.rest[k] > 0.0 ? event[k] : NOTHING;
