@@ -57,24 +57,26 @@ struct scree_attitude {
     double half[3];       /* half-lengths of the core (box) or of the face (rectangle), m */
     double axis[3];       /* of a hinge or of a driven turn, unit length; zero if there is none */
     double inverse_hinge; /* 1/(moment about a hinge) */
+    /* Of the pair-impulse method: acceleration that no contact causes (drives, gyration), rad/s^2; first moment of the
+     * step's angular impulses about its end, N m s^2. */
+    double known_turn[3], turn_moment[3];
 };
 
-/* What the pair-impulse method (contact/impulse.c) keeps of a body, beside its record and state. */
+/* What the pair-impulse method (contact/impulse.c) keeps of a body, beside its record and state: two lines of the
+ * cache. */
 struct scree_past {
-    double f[2][3], t[2][3];        /* impulses (N s, N m s) of the last step and of the one before it */
-    double turn_moment[3];          /* first moment of the step's angular impulses about its end, N m s^2 */
-    double known[3], known_turn[3]; /* accelerations that no contact causes: gravity, drives, gyration */
-    double range;                   /* bound of the way that any point of the body makes in the step, m */
+    double f[2][3], t[2][3]; /* impulses (N s, N m s) of the last step and of the one before it */
+    double known[3];         /* acceleration that no contact causes: gravity, drives, m/s^2 */
+    double range;            /* bound of the way that any point of the body makes in the step, m */
 };
 
-/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads. All zero of fixed
- * bodies. */
+/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads: likewise. All zero of
+ * fixed bodies. */
 struct scree_push {
     double along[4];     /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
     double more[4];      /* what extrapolation from the last two steps adds to it, m/s^2 */
     double turn[4];      /* the same of rotation, rad/s^2; 1/moment of inertia of a ball, 1/(kg m^2) */
     double turn_more[4]; /* rad/s^2 */
-    double moment[4];    /* what they and all others add to: first moment of the step's impulses about its end, N s^2 */
 };
 
 /* What doesn't change while the scene runs. Balls that are alike share one; every other body has its own. */
@@ -132,6 +134,7 @@ struct scree_bodies {
     unsigned char *calm;              /* how often it was seen at rest (contact/rest.h); NULL: none ever sleeps */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
     struct scree_push *push;
+    double (*moment)[4]; /* first moment of the step's impulses about its end, N s^2: contacts add to it */
     int periodic;             /* along some axis */
     double low[3], period[3]; /* where the box begins and after what length all repeats, m; 0: never */
 };
@@ -253,13 +256,13 @@ void scree_bodies_mark_slabs(struct scree_bodies *bodies);
 /* Space for what that method keeps; SCREE_NO_MEMORY. */
 scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble);
 
-/* As scree_bodies_look_ahead, and bring the shadow `now` to the start of the step. */
+/* As scree_bodies_look_ahead, and bring the shadow `now` to the start of the step. Of all bodies but free balls, which
+ * pushed.h moves. */
 int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
-                           double margin, struct scree_bodies *now, int threads);
+                           double margin, struct scree_bodies *now);
 
-/* Advance by the impulses in the records and their moments, both of which then become past. */
-void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3],
-                                     int threads);
+/* Advance these by the impulses in the records and their moments, both of which then become past. */
+void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3]);
 
 /* Spin (rad/s) that an angular impulse of 1 N m s about each world axis gives a body as its attitude is; columns. */
 struct mat scree_bodies_inverse_inertia(const struct scree_bodies *bodies, int index);

@@ -204,22 +204,21 @@ static void act_slabs(const struct slabs *all, int threads) {
     add_tallies(all->contacts, all->bodies);
 }
 
-void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
-                             scree_segment_work *work, void *argument) {
-    struct slabs all = {contacts, bodies, step, work, argument, NULL};
+int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                            scree_segment_work *work, void *argument, const struct scree_departure *go) {
+    struct slabs all = {contacts, bodies, step, work, argument, go};
+    int too_far = 0;
     if (bodies->order.slabs) act_slabs(&all, threads);
+    for (int s = 1; s <= bodies->order.slabs; s++) too_far |= contacts->tally[s].too_far;
+    return too_far;
 }
 
 int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                                 const struct scree_departure *go) {
-    struct slabs all = {contacts, bodies, step, act_segment, NULL, go};
     for (int k = 0; k < contacts->busy_batches; k++)
         act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
-    if (bodies->order.slabs) act_slabs(&all, threads);
-    int too_far = 0;
-    for (int s = 1; s <= bodies->order.slabs; s++) too_far |= contacts->tally[s].too_far;
     contacts->flights.flown += step;
-    return too_far;
+    return scree_contacts_by_slabs(contacts, bodies, step, threads, act_segment, NULL, go);
 }
 
 void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {

@@ -434,6 +434,7 @@ struct scree_departure {
     double gravity[3]; /* in the middle of this step, and of the next one */
     double next_gravity[3];
     int ahead;
+    struct scree_bodies *now; /* of pair impulses: the start of the step; NULL: by Verlet's method */
 };
 int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                                 const struct scree_departure *go);
@@ -446,10 +447,21 @@ void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps)
 void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bodies *bodies,
                                const struct scree_bodies *now, double step);
 
+/* What pairs have to know of bodies before such a step: as scree_bodies_look_both, of the first `count` balls and of
+ * all others. */
+int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodies *bodies, int count, double time,
+                             double step, const double gravity[3], double margin, struct scree_bodies *now,
+                             int threads);
+
+/* The first `count` bodies to its end, as scree_bodies_advance_by_moments. */
+void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct scree_bodies *bodies, int count,
+                                       double time, double step, const double gravity[3], int threads);
+
 /* All near contacts through one step by pair impulses: `bodies` half a step ahead, `now` at its start
- * (scree_bodies_look_both). Impulses are added into the bodies' records, moments into their past. */
-void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
-                          double step, int threads);
+ * (scree_contacts_look_both). Impulses and moments are added to the bodies. `go`: as for scree_contacts_act_and_move.
+ */
+int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
+                         double step, int threads, const struct scree_departure *go);
 
 /* A contact as measured at the instant of the records, without changing anything. Vectors in the world. */
 struct scree_touch {
@@ -548,13 +560,17 @@ struct scree_trail {
     int next;
 };
 
-/* Work off the segments of the slabs by as many threads (act.c); tallies are added up. `trail`: NULL where nobody
- * moves. */
+static inline int scree_first_of(const struct scree_ends *contact) {
+    return contact->ball < contact->host ? contact->ball : contact->host;
+}
+
+/* Work off the segments of the slabs by as many threads (act.c); tallies are added up. `trail`, `go`: NULL where nobody
+ * moves. Returns 1 if a body that moved ahead has outgrown its margin. */
 typedef void scree_segment_work(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
                                 const struct scree_batch *batch, const struct scree_part *segment, double step,
                                 struct scree_tally *tally, struct scree_trail *trail);
-void scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
-                             scree_segment_work *work, void *argument);
+int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                            scree_segment_work *work, void *argument, const struct scree_departure *go);
 
 /* Which segment a contact belongs to. */
 int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,

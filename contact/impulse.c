@@ -23,7 +23,7 @@
 struct side {
     const struct scree_record *record;
     const struct scree_past *past;
-    struct vec spin, inverse_mass;
+    struct vec spin, known_turn, inverse_mass;
     struct mat inverse_inertia;
     struct vec arm; /* from its centre to the contact, m */
     double sign;    /* of the contact's force on it */
@@ -39,6 +39,9 @@ static struct side side_of(const struct scree_bodies *bodies, const struct scree
     return (struct side){.record = &now->record[index],
                          .spin = scree_spin_of(now, index),
                          .past = &bodies->past[index],
+                         .known_turn = scree_kind_of(bodies, index)->slot < 0
+                                           ? vec(0.0, 0.0, 0.0)
+                                           : vec_from(scree_attitude_of(bodies, index)->known_turn),
                          .inverse_mass = vec_from(scree_kind_of(bodies, index)->inertia.inverse_mass),
                          .inverse_inertia = scree_bodies_inverse_inertia(now, index),
                          .arm = arm,
@@ -80,7 +83,7 @@ static struct vec acceleration(const struct side *side, struct vec own, double m
     struct vec twist = ahead(side->past->t, more);
     if (side->turns) twist = vec_axpy(twist, -side->sign, torque_of(side, own));
     struct vec along = vec_axpy(vec_from(side->past->known), 1.0 / step, vec_times(side->inverse_mass, push));
-    struct vec turn = vec_axpy(vec_from(side->past->known_turn), 1.0 / step, mat_apply(&side->inverse_inertia, twist));
+    struct vec turn = vec_axpy(side->known_turn, 1.0 / step, mat_apply(&side->inverse_inertia, twist));
     return seen(side, along, turn);
 }
 
@@ -555,7 +558,8 @@ static void impel_lanes(const struct scree_contacts *contacts, const struct scre
     }
     yield->silent = 0;
     uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
-    for (int lane = 0; lane < count; lane++) {
+    int rolls = contacts->rule[batch->rule].rolling >= 0, all = contacts->measured || rolls;
+    for (int lane = 0; (all || left >> lane) && lane < count; lane++) {
         struct place place = {batch, first + lane, lane, yield, moments, pair};
         if (left >> lane & 1) {
             impel(contacts, bodies, now, place, step);
@@ -563,7 +567,7 @@ static void impel_lanes(const struct scree_contacts *contacts, const struct scre
         }
         yield->lost.normal[lane] = contacts->measured ? books[lane].lost : 0.0;
         yield->lost.tangential[lane] = contacts->measured ? books[lane].rubbed : 0.0;
-        if (contacts->rule[batch->rule].rolling >= 0) roll_on(contacts, bodies, place, step);
+        if (rolls) roll_on(contacts, bodies, place, step);
     }
 }
 
@@ -579,12 +583,13 @@ static void add_turn_moments(struct scree_bodies *bodies, const struct scree_bat
                              int hosts, const struct scree_moments *moments) {
     for (int lane = 0; batch->any_turns && lane < count; lane++) {
         struct scree_contact own = scree_contact_at(batch, first + lane), *contact = &own;
-        struct scree_past *ball = &bodies->past[contact->ball], *host = &bodies->past[contact->host];
         int turns = scree_contact_turns(batch, contact);
         int ball_turns = turns && bodies->class[contact->ball] == SCREE_CLASS_GENERAL;
         int host_turns = turns && hosts && bodies->class[contact->host] == SCREE_CLASS_GENERAL;
-        for (int k = 0; ball_turns && k < 3; k++) ball->turn_moment[k] += moments->turn_ball[k][lane];
-        for (int k = 0; host_turns && k < 3; k++) host->turn_moment[k] += moments->turn_host[k][lane];
+        double *ball = ball_turns ? scree_attitude_of(bodies, contact->ball)->turn_moment : NULL;
+        double *host = host_turns ? scree_attitude_of(bodies, contact->host)->turn_moment : NULL;
+        for (int k = 0; ball_turns && k < 3; k++) ball[k] += moments->turn_ball[k][lane];
+        for (int k = 0; host_turns && k < 3; k++) host[k] += moments->turn_host[k][lane];
     }
 }
 
@@ -599,8 +604,8 @@ static void clear_turns(const struct scree_batch *batch, int first, int count, s
     }
 }
 
-static void tally_up(const struct scree_ends *contact, const struct scree_yield *yield, int lane,
-                     struct scree_tally *tally) {
+static void tally_lane(const struct scree_ends *contact, const struct scree_yield *yield, int lane,
+                       struct scree_tally *tally) {
     if (!(yield->depth[lane] <= tally->deepest)) {
         tally->deepest = yield->depth[lane];
         tally->deepest_ball = contact->ball;
@@ -613,39 +618,98 @@ static void tally_up(const struct scree_ends *contact, const struct scree_yield 
     }
 }
 
+/* Few blocks have what is deeper or steeper than any before. */
+static void tally_up(const struct scree_ends *contact, const struct scree_yield *yield, int count,
+                     struct scree_tally *tally) {
+    double deepest = tally->deepest, steepest = tally->steepest;
+    int more = 0;
+    _Pragma("omp simd reduction(| : more)")
+    for (int lane = 0; lane < count; lane++)
+        more |= !(yield->depth[lane] <= deepest) | !(yield->steep[lane] <= steepest);
+    for (int lane = 0; more && lane < count; lane++) tally_lane(&contact[lane], yield, lane, tally);
+}
+
 /* One step's arguments, for slabs. */
 struct stride {
     const struct scree_bodies *now;
 };
 
-/* What a block reads of its partners, before it is due; balls come in rows anyway. */
-static void foresee(const struct scree_bodies *now, const struct scree_ends *contact, int left) {
-    for (int k = 0; k < left && k < SCREE_LANES; k++) {
-        const char *push = (const char *)&now->push[contact[k].host];
-        __builtin_prefetch(now->record[contact[k].host].x);
-        __builtin_prefetch(now->spin[contact[k].host].w);
-        for (size_t line = 0; line < sizeof(struct scree_push); line += 64) __builtin_prefetch(push + line, 1);
+/* Bodies lie in the order in which contacts come to them: they are asked for so many places ahead, partners that lie
+ * farther by themselves, and what is kept of contacts some blocks ahead (as in loop.c). Fewer than MANY stay in the
+ * caches. */
+enum { AHEAD = 96, BLOCKS_AHEAD = 3, MANY = 8192 };
+
+static SCREE_INLINE void call(const void *array, size_t from, size_t to) {
+    for (const char *line = (const char *)array + from, *end = (const char *)array + to; line < end; line += 64)
+        __builtin_prefetch(line, 0, 2);
+}
+
+#define CALL(array, from, to) call(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
+
+static SCREE_INLINE void call_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
+    CALL(bodies->record, k, k + 1);
+    CALL(bodies->push, k, k + 1);
+    __builtin_prefetch(bodies->moment[k], 0, 2);
+    __builtin_prefetch(now->record[k].x, 0, 2);
+    __builtin_prefetch(now->spin[k].w, 0, 2);
+}
+
+static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, const struct scree_bodies *now, int from,
+                                     int to) {
+    CALL(bodies->record, from, to);
+    CALL(bodies->spin, from, to);
+    CALL(bodies->push, from, to);
+    CALL(bodies->moment, from, to);
+    CALL(bodies->past, from, to);
+    CALL(bodies->state, from, to);
+    CALL(bodies->position, from, to);
+    CALL(now->spin, from, to);
+    for (int k = from; k < to; k++) __builtin_prefetch(now->record[k].x, 0, 2);
+}
+
+static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const struct scree_bodies *now,
+                                    const struct scree_batch *batch, int next, int left, int *called) {
+    const struct scree_ends *own = &batch->ends[next];
+    if (left <= 0 || bodies->count < MANY) return;
+    int first = scree_first_of(own), to = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
+    int from = *called > first ? *called : first, later = BLOCKS_AHEAD * SCREE_LANES;
+    if (to > from) call_bodies(bodies, now, from, *called = to);
+    for (int k = later; k < later + SCREE_LANES && k < left; k++) {
+        int last = own[k].ball > own[k].host ? own[k].ball : own[k].host;
+        if (last >= first + AHEAD) call_partner(bodies, now, last);
     }
+    CALL(own, later, later + SCREE_LANES);
+    for (int m = 0; m < SCREE_PAST; m++) CALL(&batch->past[m][next], later, later + SCREE_LANES);
+    for (int m = 0; batch->kept[0] && m < 3; m++) CALL(&batch->kept[m][next], later, later + SCREE_LANES);
+}
+
+/* Bodies before place `first` move on, a block of them at a time. */
+static void follow(const struct scree_contacts *contacts, struct scree_bodies *bodies, int first,
+                   struct scree_trail *trail, struct scree_tally *tally) {
+    int to = trail->next + (first - trail->next) / SCREE_LANES * SCREE_LANES;
+    if (to <= trail->next) return;
+    tally->too_far |= contacts->loop->move(bodies, trail->next, to, trail->go, trail->lent, 0);
+    trail->next = to;
 }
 
 static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
                           const struct scree_batch *batch, const struct scree_part *segment, double step,
                           struct scree_tally *tally, struct scree_trail *trail) {
     const struct stride *stride = context;
-    (void)trail; /* moments move them later */
     struct scree_yield yield;
     struct scree_moments moments;
-    int hosts = batch->geometry == SCREE_BALL_BALL;
+    int hosts = batch->geometry == SCREE_BALL_BALL, called = 0;
     for (int done = 0; done < segment->count; done += SCREE_LANES) {
         int left = segment->count - done, first = segment->first + done,
             count = left < SCREE_LANES ? left : SCREE_LANES;
-        foresee(stride->now, &batch->ends[first + count], left - count);
+        call_ahead(bodies, stride->now, batch, first + count, left - count, &called);
         impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
         clear_turns(batch, first, count, &yield);
         contacts->loop->add_up(bodies, &batch->ends[first], count, batch->any_turns, hosts, &yield, &moments);
         add_turn_moments(bodies, batch, first, count, hosts, &moments);
-        for (int lane = 0; lane < count; lane++) tally_up(&batch->ends[first + lane], &yield, lane, tally);
+        tally_up(&batch->ends[first], &yield, count, tally);
         if (contacts->measured) scree_tally_losses(tally, &yield.lost, count);
+        if (trail && left > count) follow(contacts, bodies, scree_first_of(&batch->ends[first + count]), trail, tally);
     }
 }
 
@@ -664,19 +728,53 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
         const struct scree_moments *moments = &batch->moments[block];
         for (int lane = 0; lane < count; lane++)
             for (int k = 0; k < 3; k++) {
-                bodies->push[batch->ends[first + lane].ball].moment[k] += moments->impulse[k][lane];
-                bodies->push[batch->ends[first + lane].host].moment[k] -= moments->impulse[k][lane];
+                bodies->moment[batch->ends[first + lane].ball][k] += moments->impulse[k][lane];
+                bodies->moment[batch->ends[first + lane].host][k] -= moments->impulse[k][lane];
             }
         add_turn_moments(bodies, batch, first, count, 1, moments);
     }
 }
 
-void scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
-                          double step, int threads) {
+int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
+                         double step, int threads, const struct scree_departure *go) {
     struct stride stride = {now};
     for (int k = 0; k < contacts->busy_batches; k++)
         impel_loose(contacts, bodies, now, &contacts->batch[contacts->busy[k]], step, threads);
-    scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride);
+    return scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
+}
+
+enum { FEW = 1000, CHUNK = 256 }; /* bodies for which a team of threads doesn't pay; that one thread takes at once */
+
+static int chunk_end(int from, int count) { return from + CHUNK < count ? from + CHUNK : count; }
+
+/* One thread has a loop of its own: a parallel region takes longer than a few bodies, even with a team of one. */
+int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodies *bodies, int count, double time,
+                             double step, const double gravity[3], double margin, struct scree_bodies *now,
+                             int threads) {
+    const struct scree_loop *loop = contacts->loop;
+    int too_far = scree_bodies_look_both(bodies, time, step, gravity, margin, now);
+    if (threads > 1 && count > FEW) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int from = 0; from < count; from += CHUNK)
+            if (loop->look_both(bodies, from, chunk_end(from, count), step, gravity, margin, now))
+                __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
+    } else {
+        too_far |= loop->look_both(bodies, 0, count, step, gravity, margin, now);
+    }
+    return too_far;
+}
+
+void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct scree_bodies *bodies, int count,
+                                       double time, double step, const double gravity[3], int threads) {
+    const struct scree_loop *loop = contacts->loop;
+    scree_bodies_advance_by_moments(bodies, time, step, gravity);
+    if (threads > 1 && count > FEW) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int from = 0; from < count; from += CHUNK)
+            loop->advance_by_moments(bodies, from, chunk_end(from, count), step, gravity);
+    } else {
+        loop->advance_by_moments(bodies, 0, count, step, gravity);
+    }
 }
 
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps) {

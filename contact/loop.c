@@ -150,15 +150,13 @@ static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struc
     }
 }
 
-static inline int first_of(const struct scree_ends *own) { return own->ball < own->host ? own->ball : own->host; }
-
 /* A quarter of it is asked for after each pass: at once it would wait in a queue, and the passes behind it. `called`:
  * bodies before this place have been. */
 static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const struct work *w,
                                     const struct scree_ends *own, int left, int quarter, int *called) {
     enum { QUARTER = SCREE_LANES / 4 };
     if (bodies->count < MANY) return;
-    int first = first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
+    int first = scree_first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
     int from = *called > first ? *called : first, to = from + (goal - from + 3 - quarter) / (4 - quarter);
     size_t later = (size_t)(BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER);
     if (to > from) call_bodies(bodies, from, *called = to);
@@ -239,6 +237,7 @@ static int all_stay(const struct scree_bodies *bodies, int from, int count, cons
 static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
                 const unsigned char *lent, int only) {
     int too_far = 0;
+    if (go->now) return SCREE_PART(move_by_moments)(bodies, from, to, go, lent, only);
     for (int k = from; k < to; k += SCREE_LANES) {
         int count = to - k < SCREE_LANES ? to - k : SCREE_LANES;
         if ((bodies->calm || only) && all_stay(bodies, k, count, lent, only)) continue;
@@ -284,12 +283,18 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) note_losses(&b, here, w.rule, step, tally);
-        if (trail && left) follow(bodies, first_of(own + here), trail, tally);
+        if (trail && left) follow(bodies, scree_first_of(own + here), trail, tally);
     }
 }
 
 #define NAME_OF(loop) #loop
 #define NAMED(loop)   NAME_OF(loop)
 #define PREFIX        (sizeof "scree_loop_" - 1)
-const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX], act, act_straight, move, SCREE_PART(impel),
-                                      SCREE_PART(add_up)};
+const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX],
+                                      act,
+                                      act_straight,
+                                      move,
+                                      SCREE_PART(impel),
+                                      SCREE_PART(add_up),
+                                      SCREE_PART(look_both),
+                                      SCREE_PART(advance_by_moments)};

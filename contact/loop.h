@@ -25,6 +25,11 @@ struct scree_loop {
     /* Impulses of a block of them and their first moments into the bodies. */
     void (*add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                    struct scree_yield *yield, struct scree_moments *moments);
+    /* Balls among bodies from … to - 1, before and behind the contacts of such a step (pushed.c). The first: nonzero if
+     * a path has outgrown the margin. */
+    int (*look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3], double margin,
+                     struct scree_bodies *now);
+    void (*advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3]);
 };
 
 extern const struct scree_loop scree_loop_baseline, scree_loop_avx2, scree_loop_avx512;
@@ -36,7 +41,7 @@ const struct scree_loop *scree_choose_loop(void);
 /* The same for some few contacts, with which vectors of eight would be half empty and are slower to divide. */
 const struct scree_loop *scree_choose_loop_for_few(void);
 
-#ifdef SCREE_LOOP /* the loop that is being compiled: its part of smooth.c */
+#ifdef SCREE_LOOP /* the loop that is being compiled: its parts in other files */
 #define SCREE_PART_OF(loop, part)   loop##_##part
 #define SCREE_NAME_PART(loop, part) SCREE_PART_OF(loop, part)
 #define SCREE_PART(part)            SCREE_NAME_PART(SCREE_LOOP, part)
@@ -45,6 +50,12 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
                            struct scree_yield *yield, struct scree_moments *moments);
 void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                         struct scree_yield *yield, struct scree_moments *moments);
+int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
+                          double margin, struct scree_bodies *now);
+void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,
+                                    const double gravity[3]);
+int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
+                                const unsigned char *lent, int only);
 #endif
 
 #endif

@@ -113,6 +113,12 @@ static SCREE_INLINE double way_by_clock(const struct march *x, int k) {
     return x->by_clock > 0 && most < rest ? most : rest;
 }
 
+static SCREE_INLINE int is_near(const struct march *x, int k, int side) {
+    double rest = x->c.rest[k], grid = x->m.grid[k], d = x->c.d[k], u = side * x->c.u[k];
+    double within = side < 0 ? 7.0 * rest : clocked * (rest < grid ? rest : grid);
+    return (rest > 0.0) & (u > 0.0) & (d < within * u);
+}
+
 /* The next step: what is left, in equal parts no longer than the grid's. */
 static void stride_out(int count, struct march *x) {
     SMOOTH_LOOP({
@@ -125,60 +131,72 @@ static void stride_out(int count, struct march *x) {
 /* With friction, a step over the whole grid may be too long. */
 static int is_controlled(const struct smooth_pass *pass) { return pass->rubs && !pass->substeps; }
 
-/* What has happened in it. Returns whether anything has. */
-static int look(const struct smooth_pass *pass, int count, const struct march *x, double *event) {
+/* What has happened in the step of a lane. */
+static SCREE_INLINE double look_lane(const struct smooth_pass *pass, double by_control, int k, const struct march *x) {
     const struct course *c = &x->c;
     const struct stride *to = &x->to;
-    double by_control = is_controlled(pass) && !x->by_clock ? 1.0 : 0.0, by_turn = pass->turns ? 1.0 : 0.0;
-    double rubs = pass->rubs ? 1.0 : 0.0, damped = pass->damped ? 1.0 : 0.0, most = 0.0;
+    double by_turn = pass->turns ? 1.0 : 0.0, rubs = pass->rubs ? 1.0 : 0.0, damped = pass->damped ? 1.0 : 0.0;
+    double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k];
+    double coarse = x->m.grid[k] > 0.75 * pass->step ? by_control * to->coarse[k] : 0.0;
+    double moves = c->u[k] * time > 1e-12 * c->d[k] ? 1.0 : rubs; /* rest isn't a turn */
+    double turns = ((after < 0.0) & (before > -1e-10 * after)) ? by_turn * moves : 0.0;
+    double what = to->lasts[0][k] > 0.0 ? ENDS : ODD;
+    what = to->lasts[1][k] < 0.0 ? what : NOTHING;
+    what = turns > 0.0 ? TURNS : what;
+    int slips = (to->holds[1][k] < 0.0) | ((damped > 0.0) & (to->holds[0][k] < 0.0));
+    what = ((rubs > 0.0) & slips) ? SLIPS : what;
+    what = ((coarse > 0.0) & (what < ODD)) ? COARSE : what;
+    what = c->d[k] >= 0.0 ? what : ODD;
+    return time > 0.0 ? what : NOTHING;
+}
+
+/* The same of all lanes. Returns whether anything has happened. */
+static int look(const struct smooth_pass *pass, int count, const struct march *x, double *event) {
+    double by_control = is_controlled(pass) && !x->by_clock ? 1.0 : 0.0, most = 0.0;
     _Pragma("omp simd reduction(max : most)")
     for (int k = 0; k < padded(count); k++) {
-        double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k];
-        double coarse = x->m.grid[k] > 0.75 * pass->step ? by_control * to->coarse[k] : 0.0;
-        double moves = c->u[k] * time > 1e-12 * c->d[k] ? 1.0 : rubs; /* rest isn't a turn */
-        double turns = ((after < 0.0) & (before > -1e-10 * after)) ? by_turn * moves : 0.0;
-        double what = to->lasts[0][k] > 0.0 ? ENDS : ODD;
-        what = to->lasts[1][k] < 0.0 ? what : NOTHING;
-        what = turns > 0.0 ? TURNS : what;
-        int slips = (to->holds[1][k] < 0.0) | ((damped > 0.0) & (to->holds[0][k] < 0.0));
-        what = ((rubs > 0.0) & slips) ? SLIPS : what;
-        what = ((coarse > 0.0) & (what < ODD)) ? COARSE : what;
-        what = c->d[k] >= 0.0 ? what : ODD;
-        what = time > 0.0 ? what : NOTHING;
+        double what = look_lane(pass, by_control, k, x);
         event[k] = what;
         most = what > most ? what : most;
     }
     return most > 0.0;
 }
 
-/* Take the step in lanes in which nothing has happened. */
-static void accept(int count, int rubs, const double *event, struct march *x) {
+/* One axis of what friction does in it. */
+static SCREE_INLINE void accept_axis(int axis, int takes, int anew, int k, double left, const struct stride *to,
+                                     struct course *c) {
+    double rub = to->rub[axis][k], rub_moment = to->rub_moment[axis][k] + left * rub;
+    c->rub[axis][k] = (anew ? 0.0 : c->rub[axis][k]) + (takes ? rub : 0.0);
+    c->rub_moment[axis][k] = (anew ? 0.0 : c->rub_moment[axis][k]) + (takes ? rub_moment : 0.0);
+    c->deep[axis][k] = (anew ? 0.0 : c->deep[axis][k]) + (takes ? to->deep[axis][k] : 0.0);
+    c->v[axis][k] = takes ? to->v[axis][k] : c->v[axis][k];
+    c->q[axis][k] = takes ? to->q[axis][k] : c->q[axis][k];
+    c->s[axis][k] = takes ? to->s[axis][k] : c->s[axis][k];
+}
+
+/* Take the step of a lane, if `takes`; `anew`: nothing has been yielded before. */
+static SCREE_INLINE void accept_lane(int rubs, int takes, int anew, int k, struct march *x) {
     struct course *c = &x->c;
     const struct stride *to = &x->to;
-    SMOOTH_LOOP({
-        int takes = (event[k] == NOTHING) & (to->time[k] > 0.0);
-        double left = c->rest[k] - to->time[k], press = to->press[k], moment = to->press_moment[k] + left * press;
-        c->press[k] += takes ? press : 0.0;
-        c->press_moment[k] += takes ? moment : 0.0;
-        c->d[k] = takes ? to->d[k] : c->d[k];
-        c->u[k] = takes ? to->u[k] : c->u[k];
-        c->rest[k] = takes ? left : c->rest[k];
-    })
+    double left = c->rest[k] - to->time[k], press = to->press[k], moment = to->press_moment[k] + left * press;
+    c->press[k] = (anew ? 0.0 : c->press[k]) + (takes ? press : 0.0);
+    c->press_moment[k] = (anew ? 0.0 : c->press_moment[k]) + (takes ? moment : 0.0);
+    c->d[k] = takes ? to->d[k] : c->d[k];
+    c->u[k] = takes ? to->u[k] : c->u[k];
+    left = c->rest[k] = takes ? left : c->rest[k];
     if (!rubs) return;
-    SMOOTH_LOOP({
-        int takes = (event[k] == NOTHING) & (to->time[k] > 0.0);
-        double left = c->rest[k]; /* set above */
-        for (int i = 0; i < 3; i++) {
-            double rub = to->rub[i][k], moment = to->rub_moment[i][k] + left * rub;
-            c->rub[i][k] += takes ? rub : 0.0;
-            c->rub_moment[i][k] += takes ? moment : 0.0;
-            c->deep[i][k] += takes ? to->deep[i][k] : 0.0;
-            c->v[i][k] = takes ? to->v[i][k] : c->v[i][k];
-            c->q[i][k] = takes ? to->q[i][k] : c->q[i][k];
-            c->s[i][k] = takes ? to->s[i][k] : c->s[i][k];
-        }
-        c->slides[k] = takes ? to->slides[k] : c->slides[k];
-    })
+    accept_axis(0, takes, anew, k, left, to, c);
+    accept_axis(1, takes, anew, k, left, to, c);
+    accept_axis(2, takes, anew, k, left, to, c);
+    c->slides[k] = takes ? to->slides[k] : c->slides[k];
+}
+
+/* The same of the lanes in which nothing has happened. */
+static void accept(int count, int rubs, const double *event, struct march *x) {
+    if (rubs)
+        SMOOTH_LOOP(accept_lane(1, (event[k] == NOTHING) & (x->to.time[k] > 0.0), 0, k, x);)
+    else
+        SMOOTH_LOOP(accept_lane(0, (event[k] == NOTHING) & (x->to.time[k] > 0.0), 0, k, x);)
 }
 
 /* Set the clock of a lane for its step: time since the begin of the root, or until its end, which is reckoned with the
@@ -354,10 +372,16 @@ static void leave(int k, struct march *x) {
     x->c.rest[k] = 0.0;
 }
 
-static SCREE_INLINE int is_near(const struct march *x, int k, int side) {
-    double rest = x->c.rest[k], grid = x->m.grid[k], d = x->c.d[k], u = side * x->c.u[k];
-    double within = side < 0 ? 7.0 * rest : clocked * (rest < grid ? rest : grid);
-    return (rest > 0.0) & (u > 0.0) & (d < within * u);
+/* Whether one step of Runge and Kutta can take a lane through all of the step: it touches, the force doesn't set in as
+ * a root nearby, and the grid is no finer. `odd` is 1 of all others. */
+static SCREE_INLINE void try_lane(const struct smooth_pass *pass, int k, struct march *x) {
+    double left = x->c.odd[k], step = pass->step;
+    left = x->c.d[k] > 0.0 ? left : 1.0;
+    left = x->m.grid[k] == step ? left : 1.0;
+    x->c.rest[k] = x->to.time[k] = step;
+    left = pass->root >= 2 && is_near(x, k, 1) ? 1.0 : left;
+    left = pass->root >= 2 && !pass->cut && is_near(x, k, -1) ? 1.0 : left;
+    x->c.odd[k] = left;
 }
 
 /* Steps by the clock don't tell whether they are too long: those over the whole grid always are. (Impacts under Tsuji's

@@ -14,17 +14,52 @@ struct meeting {
     double arm[SCREE_LANES], host_arm[SCREE_LANES];              /* from the centres to the contact at the start, m */
     double last[3][SCREE_LANES], before[3][SCREE_LANES];         /* impulses of the last two steps, N s */
     double last_depth[SCREE_LANES], depth_before[SCREE_LANES];   /* and the overlaps that friction had on the mean, m */
-    double along[4][SCREE_LANES], more[4][SCREE_LANES];          /* m/s^2 */
+    double along[3][SCREE_LANES], more[3][SCREE_LANES];          /* m/s^2 */
     double ball_turn[4][SCREE_LANES], host_turn[4][SCREE_LANES]; /* rad/s^2; 1/(kg m^2) */
     double ball_more[4][SCREE_LANES], host_more[4][SCREE_LANES];
 };
 
-#ifdef __AVX__
-static inline void fetch_pushes(const struct scree_push *push, const struct scree_contact *const contact[4], int lane,
-                                int turns, struct meeting *to) {
+/* Lanes lane … lane + WIDTH - 1 of contacts between such bodies; padding repeats the last. */
+static inline const struct scree_ends *ends_at(const struct scree_ends *contact, int count, int lane) {
+    return &contact[lane < count ? lane : count - 1];
+}
+
+#ifdef __AVX512F__
+static SCREE_INLINE wide_row wide_at(const double *rows) { return *(const wide_row *)rows; }
+
+static inline void fetch_turns(const struct scree_push *const push[8], int lane, double (*turn)[SCREE_LANES],
+                               double (*more)[SCREE_LANES]) {
+    wide_row r[8];
+    for (int i = 0; i < 8; i++) r[i] = wide_at(push[i]->turn);
+    transpose_wide(r);
+    store_wide(r, 4, turn, lane);
+    store_wide(r + 4, 3, more, lane);
+}
+
+static inline void fetch_some_pushes(const struct scree_push *push, const struct scree_ends *contact, int count,
+                                     int lane, int turns, struct meeting *to) {
+    const struct scree_push *ball[8], *host[8];
+    wide_row r[8];
+    for (int i = 0; i < 8; i++) {
+        const struct scree_ends *ends = ends_at(contact, count, lane + i);
+        ball[i] = &push[ends->ball];
+        host[i] = &push[ends->host];
+        r[i] = wide_at(ball[i]->along) - wide_at(host[i]->along);
+    }
+    transpose_wide(r);
+    store_wide(r, 3, to->along, lane);
+    store_wide(r + 4, 3, to->more, lane);
+    if (!turns) return;
+    fetch_turns(ball, lane, to->ball_turn, to->ball_more);
+    fetch_turns(host, lane, to->host_turn, to->host_more);
+}
+#elif defined __AVX__
+static inline void fetch_some_pushes(const struct scree_push *push, const struct scree_ends *contact, int count,
+                                     int lane, int turns, struct meeting *to) {
     scree_row row[6][4];
     for (int i = 0; i < 4; i++) {
-        const struct scree_push *ball = &push[contact[i]->ball], *host = &push[contact[i]->host];
+        const struct scree_ends *ends = ends_at(contact, count, lane + i);
+        const struct scree_push *ball = &push[ends->ball], *host = &push[ends->host];
         row[0][i] = *(const scree_row *)ball->along - *(const scree_row *)host->along;
         row[1][i] = *(const scree_row *)ball->more - *(const scree_row *)host->more;
         if (!turns) continue;
@@ -33,19 +68,20 @@ static inline void fetch_pushes(const struct scree_push *push, const struct scre
         row[4][i] = *(const scree_row *)host->turn;
         row[5][i] = *(const scree_row *)host->turn_more;
     }
-    store_columns(row[0], 4, to->along, lane);
-    store_columns(row[1], 4, to->more, lane);
+    store_columns(row[0], 3, to->along, lane);
+    store_columns(row[1], 3, to->more, lane);
     if (!turns) return;
     store_columns(row[2], 4, to->ball_turn, lane);
-    store_columns(row[3], 4, to->ball_more, lane);
+    store_columns(row[3], 3, to->ball_more, lane);
     store_columns(row[4], 4, to->host_turn, lane);
-    store_columns(row[5], 4, to->host_more, lane);
+    store_columns(row[5], 3, to->host_more, lane);
 }
 #else
-static inline void fetch_pushes(const struct scree_push *push, const struct scree_contact *const contact[4], int lane,
-                                int turns, struct meeting *to) {
-    for (int i = 0; i < 4; i++) {
-        const struct scree_push *ball = &push[contact[i]->ball], *host = &push[contact[i]->host];
+static inline void fetch_some_pushes(const struct scree_push *push, const struct scree_ends *contact, int count,
+                                     int lane, int turns, struct meeting *to) {
+    for (int i = 0; i < WIDTH; i++) {
+        const struct scree_ends *ends = ends_at(contact, count, lane + i);
+        const struct scree_push *ball = &push[ends->ball], *host = &push[ends->host];
         for (int k = 0; k < 3; k++) {
             to->along[k][lane + i] = ball->along[k] - host->along[k];
             to->more[k][lane + i] = ball->more[k] - host->more[k];
@@ -59,6 +95,12 @@ static inline void fetch_pushes(const struct scree_push *push, const struct scre
     }
 }
 #endif
+
+static inline void fetch_pushes(const struct scree_push *push, const struct scree_ends *contact, int count, int turns,
+                                struct meeting *to) {
+    for (int lane = 0; lane < padded(count); lane += WIDTH)
+        fetch_some_pushes(push, contact, count, lane, turns, to);
+}
 
 /* Numbers of one column, of contacts one after the other (`index` NULL) or here and there. */
 static inline void fetch_column(const double *column, int first, const int *index, int count, double *to) {

@@ -137,6 +137,7 @@ struct smooth_block {
     struct meeting at;
     struct march x;
     double flight[SCREE_LANES]; /* overlap at the end of the step if nothing acts, m */
+    double event[SCREE_LANES];  /* in a step that goes straight through (march.h) */
     double depth[SCREE_LANES];  /* overlap that friction had on the mean, m; 0: none */
 };
 
@@ -145,23 +146,19 @@ static void begin_course(struct course *c) {
     memset(c->press, 0, offsetof(struct course, odd) - offsetof(struct course, press));
 }
 
+/* Contacts first … of a batch, one after the other, or (`index`) some here and there. */
 static void gather_smooth(const struct scree_bodies *now, const struct scree_batch *batch, int first, const int *index,
                           int count, int turns, struct smooth_block *s) {
     struct scree_contact contact[SCREE_LANES];
     struct scree_ends own[SCREE_LANES];
+    const struct scree_ends *pair = index ? own : &batch->ends[first];
     struct ends ends;
-    for (int k = 0; k < count; k++) {
+    for (int k = 0; index && k < count; k++) own[k] = batch->ends[index[k]];
+    for (int k = 0; batch->geometry != SCREE_BALL_BALL && k < count; k++)
         contact[k] = scree_contact_at(batch, index ? index[k] : first + k);
-        own[k] = (struct scree_ends){contact[k].ball, contact[k].host};
-    }
-    find_ends(now, own, count, &ends);
+    find_ends(now, pair, count, &ends);
     gather(now, contact, &ends, count, batch->geometry, (struct wants){0}, &s->b);
-    for (int lane = 0; lane < padded(count); lane += 4) {
-        const struct scree_contact *four[4];
-        for (int i = 0; i < 4; i++) four[i] = &contact[lane + i < count ? lane + i : count - 1];
-        fetch_pushes(now->push, four, lane, turns, &s->at);
-    }
-    begin_course(&s->x.c);
+    fetch_pushes(now->push, pair, count, turns, &s->at);
     fetch_kept(batch, first, index, count, turns, &s->b, &s->at, &s->x.c, &s->x.m);
 }
 
@@ -179,50 +176,46 @@ static void meet_smooth(struct smooth_block *s, int count, double step, int ball
 }
 
 static void drive_smooth(struct smooth_block *s, int count, double step, int turns) {
-    if (turns) {
+    if (turns)
         SMOOTH_LOOP(drive_lane(&s->b, k, step, 1, &s->at, &s->x.m);)
-    } else {
+    else
         SMOOTH_LOOP(drive_lane(&s->b, k, step, 0, &s->at, &s->x.m);)
-    }
-    SMOOTH_LOOP(s->flight[k] = s->x.c.d[k] + (step * s->x.c.u[k] + 0.5 * step * step * s->x.m.closing[k]);)
-}
-
-static void yield_smooth(struct smooth_block *s, int count, int balls, int turns, struct scree_yield *yield,
-                         struct scree_moments *moments) {
-    if (balls && turns) {
-        SMOOTH_LOOP(yield_lane(&s->b, k, 1, 1, &s->at, &s->x.c, yield, moments);)
-    } else if (balls) {
-        SMOOTH_LOOP(yield_lane(&s->b, k, 1, 0, &s->at, &s->x.c, yield, moments);)
-    } else if (turns) {
-        SMOOTH_LOOP(yield_lane(&s->b, k, 0, 1, &s->at, &s->x.c, yield, moments);)
-    } else {
-        SMOOTH_LOOP(yield_lane(&s->b, k, 0, 0, &s->at, &s->x.c, yield, moments);)
-    }
-    SMOOTH_LOOP({
-        double steady = s->b.n[0][k] * s->at.later_n[0][k] + s->b.n[1][k] * s->at.later_n[1][k] +
-                        s->b.n[2][k] * s->at.later_n[2][k];
-        int plain = (steady >= 0.9) & (s->x.m.give[k] > 0.0);
-        s->x.c.odd[k] = plain ? s->x.c.odd[k] : 1.0;
-    })
 }
 
 /* Depths, slopes, and levers. */
-static void rate_contacts(struct smooth_block *s, int count, double slope, int turns, struct scree_yield *yield) {
-    SMOOTH_LOOP({
-        yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k, (struct sizes){0});
-        yield->lasts[k] = s->x.c.d[k] > 0.0 ? 1.0 : 0.0;
-    })
-    if (turns)
-        SMOOTH_LOOP({
-            struct vec rub = get(s->x.c.rub, k);
-            double square = vec_norm2(rub), deep = vec_dot(get(s->x.c.deep, k), rub) / (square + SCREE_NO_SPEED);
-            s->depth[k] = square > 0.0 ? s->b.overlap[k] + deep : 0.0;
-        })
-    if (slope == 0.0)
-        SMOOTH_LOOP(yield->steep[k] = 0.0;)
-    else
-        SMOOTH_LOOP(yield->steep[k] =
-                        slope * 4.0 * s->b.rush[3][k] * vec_dot(get(yield->impulse, k), get(s->at.later_n, k));)
+static SCREE_INLINE void rate_contact(struct smooth_block *s, int k, int turns, double slope,
+                                      struct scree_yield *yield) {
+    double steep = slope * 4.0 * s->b.rush[3][k] * vec_dot(get(yield->impulse, k), get(s->at.later_n, k));
+    yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k, (struct sizes){0});
+    yield->steep[k] = slope > 0.0 ? steep : 0.0;
+    yield->lasts[k] = s->x.c.d[k] > 0.0 ? 1.0 : 0.0;
+    if (!turns) return;
+    struct vec rub = get(s->x.c.rub, k);
+    double square = vec_norm2(rub), deep = vec_dot(get(s->x.c.deep, k), rub) / (square + SCREE_NO_SPEED);
+    s->depth[k] = square > 0.0 ? s->b.overlap[k] + deep : 0.0;
+}
+
+/* What a contact yields, unless its normal has jumped. */
+static SCREE_INLINE void finish_lane(struct smooth_block *s, int k, int balls, int turns, double slope,
+                                     struct scree_yield *yield, struct scree_moments *moments) {
+    yield_lane(&s->b, k, balls, turns, &s->at, &s->x.c, yield, moments);
+    rate_contact(s, k, turns, slope, yield);
+    double steady = vec_dot(get(s->b.n, k), get(s->at.later_n, k));
+    int plain = (steady >= 0.9) & (s->x.m.give[k] > 0.0);
+    s->x.c.odd[k] = plain ? s->x.c.odd[k] : 1.0;
+}
+
+static void yield_smooth(struct smooth_block *s, int count, int balls, int turns, double slope,
+                         struct scree_yield *yield, struct scree_moments *moments) {
+    if (balls && turns) {
+        SMOOTH_LOOP(finish_lane(s, k, 1, 1, slope, yield, moments);)
+    } else if (balls) {
+        SMOOTH_LOOP(finish_lane(s, k, 1, 0, slope, yield, moments);)
+    } else if (turns) {
+        SMOOTH_LOOP(finish_lane(s, k, 0, 1, slope, yield, moments);)
+    } else {
+        SMOOTH_LOOP(finish_lane(s, k, 0, 0, slope, yield, moments);)
+    }
 }
 
 /* What is kept of contacts one after the other. */
@@ -267,6 +260,11 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
     scree_keep(batch, SCREE_KEPT_STATE, index, s->x.c.slides[i]);
 }
 
+/* Most have touched in the step before. */
+static inline int has_touched(const struct scree_batch *batch, int index) {
+    return (batch->past[0][index] != 0.0) | (batch->past[1][index] != 0.0) | (batch->past[2][index] != 0.0);
+}
+
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int far_apart(const struct scree_bodies *now, const struct scree_batch *batch, int index) {
     for (int m = 0; m < SCREE_PAST; m++)
@@ -302,69 +300,102 @@ static int is_plain(const struct scree_bodies *bodies, const struct scree_ends *
            (ball == SCREE_CLASS_FIXED && host == SCREE_CLASS_BALL);
 }
 
-/* From gathered lanes to their yield. */
-static void run_smooth(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                       const struct scree_batch *batch, const struct smooth_pass *pass, int first, const int *index,
-                       int count, double step, struct smooth_block *s, struct scree_yield *yield,
-                       struct scree_moments *moments) {
-    const struct scree_rule *rule = &contacts->rule[batch->rule];
-    int balls = batch->geometry != SCREE_BALL_PLANE, turns = rule->friction >= 0, touching = 0;
-    gather_smooth(now, batch, first, index, count, turns, s);
-    meet_smooth(s, count, step, balls, turns);
-    pass->loops->rates(rule, pass->slope, step, pass->substeps, count, &s->x.c, &s->x.m);
-    drive_smooth(s, count, step, turns);
-    begin_lanes(count, step, turns, s->flight, &s->x);
+/* Contacts of a batch in a step. */
+struct smooth_work {
+    const struct scree_bodies *now;
+    const struct scree_batch *batch;
+    struct smooth_pass pass;
+    int first, balls;
+};
+
+/* From the bodies up to what drives the lanes. */
+static void begin_smooth(const struct smooth_work *w, const int *index, int count, struct smooth_block *s) {
+    const struct smooth_pass *pass = &w->pass;
+    gather_smooth(w->now, w->batch, w->first, index, count, pass->rubs, s);
+    meet_smooth(s, count, pass->step, w->balls, pass->rubs);
+    pass->loops->rates(pass->rule, pass->slope, pass->step, pass->substeps, count, &s->x.c, &s->x.m);
+    drive_smooth(s, count, pass->step, pass->rubs);
     s->x.by_clock = 0;
-    for (int k = 0; k < count; k++) touching |= s->x.c.rest[k] > 0.0;
-    if (touching) march_on(pass, count, &s->x);
-    yield_smooth(s, count, balls, turns, yield, moments);
-    rate_contacts(s, count, batch->slope, turns, yield);
 }
 
-/* Where only few of the contacts act, these are drawn together. */
-static uint32_t impel_few(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                          const struct scree_batch *batch, const struct smooth_pass *pass, int first, const int *lane,
-                          int count, double step, struct scree_yield *yield, struct scree_moments *moments) {
+/* Some of the lanes, drawn together, past whatever happens to them. Returns those that are left to within.c. */
+static uint32_t impel_few(const struct smooth_work *w, const int *lane, int count, struct scree_yield *yield,
+                          struct scree_moments *moments) {
     struct smooth_block s;
     struct scree_yield few;
     struct scree_moments few_moments;
-    int index[SCREE_LANES] = {0}, turns = contacts->rule[batch->rule].friction >= 0;
+    int index[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0;
+    double step = w->pass.step;
     uint32_t odd = 0;
-    for (int i = 0; i < count; i++) index[i] = first + lane[i];
-    run_smooth(contacts, now, batch, pass, first, index, count, step, &s, &few, &few_moments);
+    for (int i = 0; i < count; i++) index[i] = w->first + lane[i];
+    begin_smooth(w, index, count, &s);
+    begin_course(&s.x.c);
+    SMOOTH_LOOP(s.flight[k] = s.x.c.d[k] + (step * s.x.c.u[k] + 0.5 * step * step * s.x.m.closing[k]);)
+    begin_lanes(count, step, turns, s.flight, &s.x);
+    for (int k = 0; k < count; k++) touching |= s.x.c.rest[k] > 0.0;
+    if (touching) march_on(&w->pass, count, &s.x);
+    yield_smooth(&s, count, w->balls, turns, w->batch->slope, &few, &few_moments);
     for (int i = 0; i < count; i++)
         if (s.x.c.odd[i] > 0.0)
             odd |= (uint32_t)1 << lane[i];
         else
-            hand_over(batch, &s, i, index[i], lane[i], turns, &few, &few_moments, yield, moments);
+            hand_over(w->batch, &s, i, index[i], lane[i], turns, &few, &few_moments, yield, moments);
     return odd;
+}
+
+/* All lanes straight through the step. Those to which something happens in it, or may, are left as they were: their
+ * number, and which they are. */
+static int impel_straight(const struct smooth_work *w, int count, int *lane, struct scree_yield *yield,
+                          struct scree_moments *moments) {
+    const struct smooth_pass *pass = &w->pass;
+    struct smooth_block s;
+    int left = 0;
+    begin_smooth(w, NULL, count, &s);
+    SMOOTH_LOOP(try_lane(pass, k, &s.x);)
+    pass->loops->go(pass->rule, &s.x.m, count, pass->step, &s.x.c, &s.x.to);
+    look(pass, count, &s.x, s.event);
+    if (pass->rubs)
+        SMOOTH_LOOP(accept_lane(1, 1, 1, k, &s.x);)
+    else
+        SMOOTH_LOOP(accept_lane(0, 1, 1, k, &s.x);)
+    SMOOTH_LOOP(s.x.c.odd[k] = s.event[k] > 0.0 ? 1.0 : s.x.c.odd[k];)
+    yield_smooth(&s, count, w->balls, pass->rubs, w->batch->slope, yield, moments);
+    keep_all(w->batch, &s, w->first, count, pass->rubs, yield);
+    for (int k = 0; k < count; k++)
+        if (s.x.c.odd[k] > 0.0) lane[left++] = k;
+    return left;
+}
+
+/* Those of the lanes to which something can happen; the others have no yield. */
+static int sort_out(const struct smooth_work *w, int *lane, int count, struct scree_yield *yield,
+                    struct scree_moments *moments) {
+    int acting = 0;
+    for (int i = 0; i < count; i++)
+        if (far_apart(w->now, w->batch, w->first + lane[i]))
+            hand_nothing(yield, moments, lane[i]);
+        else
+            lane[acting++] = lane[i];
+    return acting;
 }
 
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments) {
-    const struct scree_rule *rule = &contacts->rule[batch->rule];
-    const struct smooth_pass pass = smooth_pass_of(contacts, batch, first, step);
     enum scree_geometry geometry = batch->geometry;
-    int balls = geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE, lane[SCREE_LANES], acting = 0;
+    int balls = geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE, lane[SCREE_LANES], lanes = 0, touched = 0;
+    const struct smooth_work work = {now, batch, smooth_pass_of(contacts, batch, first, step), first, balls};
     uint32_t odd = 0;
-    if (!pass.loops || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
+    if (!work.pass.loops || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
     for (int k = 0; k < count; k++) {
-        if (!is_plain(now, &batch->ends[first + k]))
+        touched += has_touched(batch, first + k);
+        if (is_plain(now, &batch->ends[first + k]))
+            lane[lanes++] = k;
+        else
             odd |= (uint32_t)1 << k;
-        else if (!far_apart(now, batch, first + k))
-            lane[acting++] = k;
     }
-    if (2 * acting < count || odd) {
-        for (int k = 0; k < count; k++) hand_nothing(yield, moments, k);
-        if (acting) odd |= impel_few(contacts, now, batch, &pass, first, lane, acting, step, yield, moments);
-        return odd;
-    }
-    struct smooth_block s;
-    run_smooth(contacts, now, batch, &pass, first, NULL, count, step, &s, yield, moments);
-    keep_all(batch, &s, first, count, rule->friction >= 0, yield);
-    for (int k = 0; k < count; k++) odd |= (uint32_t)(s.x.c.odd[k] > 0.0) << k;
-    return odd;
+    if (2 * touched >= count && !odd) lanes = impel_straight(&work, count, lane, yield, moments);
+    int acting = sort_out(&work, lane, lanes, yield, moments);
+    return acting ? odd | impel_few(&work, lane, acting, yield, moments) : odd;
 }
 
 #ifdef __AVX__
@@ -389,11 +420,11 @@ void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *co
         for (int i = 0; i < 4 && lane + i < count; i++) {
             int ball = contact[lane + i].ball, host = contact[lane + i].host;
             *(scree_row *)bodies->record[ball].f += impulse[i];
-            *(scree_row *)bodies->push[ball].moment += moment[i];
+            *(scree_row *)bodies->moment[ball] += moment[i];
             if (turns) *(scree_row *)bodies->record[ball].t += turn_ball[i];
             if (!hosts) continue;
             *(scree_row *)bodies->record[host].f -= impulse[i];
-            *(scree_row *)bodies->push[host].moment -= moment[i];
+            *(scree_row *)bodies->moment[host] -= moment[i];
             if (turns) *(scree_row *)bodies->record[host].t += turn_host[i];
         }
     }
@@ -402,11 +433,11 @@ void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *co
         int ball = contact[lane].ball, host = contact[lane].host;
         for (int k = 0; k < 3; k++) {
             bodies->record[ball].f[k] += yield->impulse[k][lane];
-            bodies->push[ball].moment[k] += moments->impulse[k][lane];
+            bodies->moment[ball][k] += moments->impulse[k][lane];
             if (turns) bodies->record[ball].t[k] += yield->turn_ball[k][lane];
             if (!hosts) continue;
             bodies->record[host].f[k] -= yield->impulse[k][lane];
-            bodies->push[host].moment[k] -= moments->impulse[k][lane];
+            bodies->moment[host][k] -= moments->impulse[k][lane];
             if (turns) bodies->record[host].t[k] += yield->turn_host[k][lane];
         }
     }

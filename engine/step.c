@@ -154,22 +154,6 @@ static void book_drives(scree_scene *scene, double time) {
     }
 }
 
-/* As below, by pair impulses. */
-static scree_status step_by_impulses(scree_scene *scene) {
-    struct scree_bodies *bodies = &scene->bodies;
-    double time = scree_scene_time(scene), step = scene->step, gravity[3];
-    scree_gravity_at(scene, time + 0.5 * step, gravity);
-    int too_far = scree_bodies_look_both(bodies, time, step, gravity, 0.5 * scene->contacts.skin, &scene->shadow,
-                                         threads_of(scene));
-    scree_status status = keep_lists(scene, &scene->shadow, too_far | scene->contacts.broken);
-    if (status) return status;
-    scree_contacts_impel(&scene->contacts, bodies, &scene->shadow, step, threads_of(scene));
-    if (scene->time.energy) book_drives(scene, time);
-    scree_bodies_advance_by_moments(bodies, time, step, gravity, threads_of(scene));
-    scene->steps++;
-    return scree_check_depth(scene, scree_scene_time(scene));
-}
-
 /* From time to time the bodies are put in order; when, is a function of the state. */
 enum { STEPS_TO_ORDER = 512 };
 
@@ -214,6 +198,30 @@ static int may_hurry(const scree_scene *scene) {
            !(scene->time.sleep > 0.0 && scree_rest_is_look(next));
 }
 
+/* The same by pair impulses, which keep positions on the way, too. */
+static scree_status step_by_impulses(scree_scene *scene, int more) {
+    struct scree_bodies *bodies = &scene->bodies, *now = &scene->shadow;
+    double time = scree_scene_time(scene), step = scene->step;
+    struct scree_departure go = {.step = step, .ahead = more, .now = now};
+    int looks = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
+    int at_once = bodies->order.slabs > 0 && !scene->time.energy;
+    scree_gravity_at(scene, time + 0.5 * step, go.gravity);
+    scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
+    scene->ahead = 0;
+    too_far |= scree_contacts_look_both(&scene->contacts, bodies, looks, time, step, go.gravity,
+                                        0.5 * scene->contacts.skin, now, threads_of(scene));
+    scree_status status = keep_lists(scene, now, too_far | scene->contacts.broken);
+    if (status) return status;
+    go.margin = 0.5 * scene->contacts.skin;
+    scene->too_far = scree_contacts_impel(&scene->contacts, bodies, now, step, threads_of(scene), at_once ? &go : NULL);
+    scene->ahead = at_once && more;
+    if (scene->time.energy) book_drives(scene, time);
+    scree_contacts_advance_by_moments(&scene->contacts, bodies, at_once ? bodies->order.members : bodies->count, time,
+                                      step, go.gravity, threads_of(scene));
+    scene->steps++;
+    return scree_check_depth(scene, scree_scene_time(scene));
+}
+
 static void wake_or_rest(scree_scene *scene, const double gravity[3]) {
     scree_rest_wake(&scene->contacts, &scene->bodies, scene->step, gravity, scene->ahead);
     if (scree_rest_is_look(scene->steps)) scree_rest_look(&scene->contacts, &scene->bodies, scene->step, gravity);
@@ -228,7 +236,7 @@ static scree_status step_once(scree_scene *scene, int more) {
         if (!status) scree_contacts_note_boxes(&scene->contacts, &scene->bodies);
         return status ? status : scree_check_depth(scene, scree_scene_time(scene));
     }
-    if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene);
+    if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene, more && may_hurry(scene));
     double gravity[3];
     scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
     status = keep_lists(scene, &scene->bodies, look_ahead(scene, gravity));
@@ -257,7 +265,7 @@ scree_status scree_step_plainly(struct scree_scene *scene, long steps) {
         scree_status status = step_once(scene, k + 1 < steps);
         if (!status) continue;
         if (scene->steps > before) ahead = scene->ahead;
-        if (ahead) scree_bodies_find_positions(&scene->bodies, scene->step);
+        if (ahead && scene->time.integrator == SCREE_VERLET) scree_bodies_find_positions(&scene->bodies, scene->step);
         return status;
     }
     return SCREE_OK;

@@ -1,0 +1,131 @@
+/* How a free ball goes through a step of the pair-impulse method: what pairs have to know of it beforehand, and how it
+ * moves by their impulses (all other bodies: moments.c). On rows of four numbers, as in balls.h. */
+#ifndef SCREE_BODIES_PUSHED_H
+#define SCREE_BODIES_PUSHED_H
+
+#include "bodies/balls.h"
+
+#include <string.h>
+
+/* A bound of the way of a ball in the step, if the impulses (sizes, N s) of the last two go on or are extrapolated;
+ * `fall`: size of gravity, m/s^2. Its own turning moves no surface. */
+static inline double scree_ball_range(double speed, double inverse_mass, double last, double before, double fall,
+                                      double step) {
+    return 2.0 * step * (speed + inverse_mass * (2.0 * last + before) + step * fall);
+}
+
+#ifdef __AVX__
+static inline scree_row scree_row_with(scree_row a, double fourth) {
+    return __builtin_shufflevector(a, (scree_row){fourth, fourth, fourth, fourth}, 0, 1, 2, 7);
+}
+
+static inline double scree_row_square(scree_row a) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
+
+/* The start of the step into `now`, accelerations if all goes on as in the last two steps; then the middle of the step
+ * as in balls.h. Nonzero if the path has outgrown the margin. */
+static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
+                                       double fall, double margin, struct scree_bodies *now) {
+    struct scree_record *record = &bodies->record[index], *start = &now->record[index];
+    struct scree_past *past = &bodies->past[index];
+    struct scree_push *push = &bodies->push[index];
+    struct scree_ball_rows rows = scree_ball_rows(&bodies->state[index], bodies->position[index]);
+    const scree_row none = {0.0, 0.0, 0.0, 0.0}, steps = {step, step, step, step};
+    scree_row rate = (scree_row){record->inverse_mass, record->inverse_moment, 0.0, 0.0} / steps;
+    scree_row f = *(const scree_row *)past->f[0], f_before = *(const scree_row *)past->f[1];
+    scree_row t = *(const scree_row *)past->t[0], t_before = *(const scree_row *)past->t[1];
+    *(scree_row *)start->x = scree_row_with(rows.x, record->radius);
+    *(scree_row *)start->v = scree_row_with(rows.v, record->inverse_mass);
+    *(scree_row *)now->spin[index].w =
+        scree_row_with(scree_row_times(record->inverse_moment, rows.l), bodies->spin[index].limit);
+    *(scree_row *)push->more = scree_row_with(scree_row_times(rate[0], f - f_before), 0.0);
+    *(scree_row *)push->turn = scree_row_with(scree_row_times(rate[1], t), record->inverse_moment);
+    *(scree_row *)push->turn_more = scree_row_with(scree_row_times(rate[1], t - t_before), 0.0);
+    *(scree_row *)bodies->moment[index] = none;
+    scree_row square = {scree_row_square(rows.v), scree_row_square(f), scree_row_square(f_before), 0.0};
+    square[3] =
+        scree_ball_look_ahead(record, &bodies->spin[index], rows, step, gravity, scree_flight_row(bodies, index));
+    scree_row size = scree_row_root(square);
+    past->range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], fall, step);
+    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], f), past->range);
+    memcpy(past->known, &gravity, sizeof past->known);
+    return scree_outgrown(&bodies->path[index], step * size[3], margin);
+}
+
+/* By impulses and moments to the end of the step. */
+static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, int index, double step,
+                                                 scree_row gravity) {
+    const struct scree_record *record = &bodies->record[index];
+    struct scree_past *past = &bodies->past[index];
+    double *state = bodies->state[index].v;
+    scree_row f = *(const scree_row *)record->f, t = *(const scree_row *)record->t, v = *(const scree_row *)state;
+    scree_row moved = scree_row_times(record->inverse_mass, *(const scree_row *)bodies->moment[index]) +
+                      scree_row_times(0.5 * step * step, gravity);
+    scree_row x = *(const scree_row *)record->x + (scree_row_times(0.5 * step, v) + moved);
+    scree_row l = scree_row_settle(scree_row_behind(state) + t);
+    v = scree_row_settle(v + (scree_row_times(record->inverse_mass, f) + scree_row_times(step, gravity)));
+    *(scree_row *)state = v; /* in this order: its fourth number isn't that of the momentum */
+    *(scree_row *)&state[2] = __builtin_shufflevector(v, l, 2, 4, 5, 6);
+    for (int k = 0; k < 3; k++) bodies->position[index][k] = x[k];
+    scree_row f_before = *(const scree_row *)past->f[0], t_before = *(const scree_row *)past->t[0];
+    *(scree_row *)past->f[0] = f; /* in this order, likewise */
+    *(scree_row *)past->f[1] = f_before;
+    *(scree_row *)past->t[0] = t;
+    scree_row_put(t_before, past->t[1]);
+}
+
+#else
+/* Number by number: the same bits. */
+static inline double scree_size_of(const double a[3]) { return vec_norm(vec_from(a)); }
+
+static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
+                                       double fall, double margin, struct scree_bodies *now) {
+    struct scree_record *record = &bodies->record[index], *start = &now->record[index];
+    const struct scree_state *state = &bodies->state[index];
+    struct scree_past *past = &bodies->past[index];
+    struct scree_push *push = &bodies->push[index];
+    double along = record->inverse_mass / step, turn = record->inverse_moment / step;
+    for (int k = 0; k < 3; k++) {
+        start->x[k] = bodies->position[index][k];
+        start->v[k] = state->v[k];
+        now->spin[index].w[k] = record->inverse_moment * state->l[k];
+        push->along[k] = gravity[k] + along * past->f[0][k];
+        push->more[k] = along * (past->f[0][k] - past->f[1][k]);
+        push->turn[k] = turn * past->t[0][k];
+        push->turn_more[k] = turn * (past->t[0][k] - past->t[1][k]);
+        bodies->moment[index][k] = 0.0;
+        past->known[k] = gravity[k];
+    }
+    start->radius = record->radius;
+    start->inverse_mass = record->inverse_mass;
+    now->spin[index].limit = bodies->spin[index].limit;
+    push->turn[3] = record->inverse_moment;
+    past->range = push->along[3] = scree_ball_range(scree_size_of(state->v), record->inverse_mass,
+                                                    scree_size_of(past->f[0]), scree_size_of(past->f[1]), fall, step);
+    double square = scree_ball_look_ahead(record, &bodies->spin[index], scree_ball_rows(state, bodies->position[index]),
+                                          step, gravity, scree_flight_row(bodies, index));
+    return scree_outgrown(&bodies->path[index], step * sqrt(square), margin);
+}
+
+static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, int index, double step,
+                                                 scree_row gravity) {
+    const struct scree_record *record = &bodies->record[index];
+    const double *moment = bodies->moment[index];
+    struct scree_past *past = &bodies->past[index];
+    struct scree_state *state = &bodies->state[index];
+    double inverse_mass = record->inverse_mass;
+    for (int k = 0; k < 3; k++) {
+        double before = state->v[k], v = before + (inverse_mass * record->f[k] + step * gravity[k]);
+        double l = state->l[k] + record->t[k];
+        state->v[k] = fabs(v) < 1e-140 ? 0.0 : v;
+        state->l[k] = fabs(l) < 1e-140 ? 0.0 : l;
+        bodies->position[index][k] =
+            record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
+    }
+    memcpy(past->f[1], past->f[0], sizeof past->f[0]);
+    memcpy(past->t[1], past->t[0], sizeof past->t[0]);
+    memcpy(past->f[0], record->f, sizeof past->f[0]);
+    memcpy(past->t[0], record->t, sizeof past->t[0]);
+}
+#endif
+
+#endif

@@ -1,0 +1,34 @@
+/* Balls before and behind the contacts of a step of the pair-impulse method, one after the other. Compiled once for
+ * each kind of processor, as loop.c is. */
+#include "bodies/pushed.h"
+#include "contact/loop.h"
+
+int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
+                          double margin, struct scree_bodies *now) {
+    double fall = vec_norm(vec_from(gravity));
+    int too_far = 0;
+    for (int k = from; k < to; k++)
+        if (bodies->class[k] == SCREE_CLASS_BALL)
+            too_far |= scree_ball_look_both(bodies, k, step, scree_row_of(gravity), fall, margin, now);
+    return too_far;
+}
+
+void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,
+                                    const double gravity[3]) {
+    for (int k = from; k < to; k++)
+        if (bodies->class[k] == SCREE_CLASS_BALL) scree_ball_advance_by_moments(bodies, k, step, scree_row_of(gravity));
+}
+
+/* One after the other: the move of scree_loop. */
+int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
+                                const unsigned char *lent, int only) {
+    scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
+    double fall = vec_norm(vec_from(go->next_gravity));
+    int too_far = 0;
+    for (int k = from; k < to; k++) {
+        if (bodies->class[k] != SCREE_CLASS_BALL || (lent && lent[k] != only)) continue;
+        scree_ball_advance_by_moments(bodies, k, go->step, gravity);
+        if (go->ahead) too_far |= scree_ball_look_both(bodies, k, go->step, next, fall, go->margin, go->now);
+    }
+    return too_far;
+}
