@@ -134,7 +134,7 @@ struct scree_bodies {
     unsigned char *calm;              /* how often it was seen at rest (contact/rest.h); NULL: none ever sleeps */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
     struct scree_push *push;
-    double (*moment)[4]; /* first moment of the step's impulses about its end, N s^2: contacts add to it */
+    double (*moment)[4];      /* first moment of the step's impulses about its end, N s^2: contacts add to it */
     int periodic;             /* along some axis */
     double low[3], period[3]; /* where the box begins and after what length all repeats, m; 0: never */
 };

@@ -98,8 +98,7 @@ static inline void fetch_some_pushes(const struct scree_push *push, const struct
 
 static inline void fetch_pushes(const struct scree_push *push, const struct scree_ends *contact, int count, int turns,
                                 struct meeting *to) {
-    for (int lane = 0; lane < padded(count); lane += WIDTH)
-        fetch_some_pushes(push, contact, count, lane, turns, to);
+    for (int lane = 0; lane < padded(count); lane += WIDTH) fetch_some_pushes(push, contact, count, lane, turns, to);
 }
 
 /* Numbers of one column, of contacts one after the other (`index` NULL) or here and there. */
