@@ -70,14 +70,16 @@ struct scree_past {
     double range;            /* bound of the way that any point of the body makes in the step, m */
 };
 
-/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads: likewise. All zero of
- * fixed bodies. */
+/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads: two lines, too. All zero
+ * of fixed bodies. */
 struct scree_push {
     double along[4];     /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
     double more[4];      /* what extrapolation from the last two steps adds to it, m/s^2 */
     double turn[4];      /* the same of rotation, rad/s^2; 1/moment of inertia of a ball, 1/(kg m^2) */
     double turn_more[4]; /* rad/s^2 */
 };
+
+_Static_assert(sizeof(struct scree_past) == 2 * 64 && sizeof(struct scree_push) == 2 * 64, "two lines of the cache");
 
 /* What doesn't change while the scene runs. Balls that are alike share one; every other body has its own. */
 struct scree_kind {

@@ -1,16 +1,9 @@
 /* How bodies move by impulses and their first moments, and what pairs have to know of them beforehand: the part of the
  * bodies, but for free balls (pushed.h), in the pair-impulse method. */
-#include "bodies/bodies.h"
+#include "bodies/pushed.h"
 #include "bodies/turning.h"
 
 #include <string.h>
-
-static void settle_past(struct scree_past *past, const struct scree_record *record) {
-    memcpy(past->f[1], past->f[0], sizeof past->f[0]);
-    memcpy(past->t[1], past->t[0], sizeof past->t[0]);
-    memcpy(past->f[0], record->f, sizeof past->f[0]);
-    memcpy(past->t[0], record->t, sizeof past->t[0]);
-}
 
 /* One free coordinate, from where it is at mid-step by its velocity at the start. */
 static inline void advance_along(int k, const struct scree_record *record, const double moment[3],
@@ -49,7 +42,7 @@ static void advance_one(struct scree_bodies *bodies, int index, double step, con
         }
     }
     turn_by_moments(bodies, index, step);
-    settle_past(&bodies->past[index], record);
+    scree_settle_past(&bodies->past[index], record);
 }
 
 void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {

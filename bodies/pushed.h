@@ -14,6 +14,14 @@ static inline double scree_ball_range(double speed, double inverse_mass, double 
     return 2.0 * step * (speed + inverse_mass * (2.0 * last + before) + step * fall);
 }
 
+/* The impulses of a step that is over become past. */
+static inline void scree_settle_past(struct scree_past *past, const struct scree_record *record) {
+    memcpy(past->f[1], past->f[0], sizeof past->f[0]);
+    memcpy(past->t[1], past->t[0], sizeof past->t[0]);
+    memcpy(past->f[0], record->f, sizeof past->f[0]);
+    memcpy(past->t[0], record->t, sizeof past->t[0]);
+}
+
 #ifdef __AVX__
 static inline scree_row scree_row_with(scree_row a, double fourth) {
     return __builtin_shufflevector(a, (scree_row){fourth, fourth, fourth, fourth}, 0, 1, 2, 7);
@@ -55,7 +63,6 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
 static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, int index, double step,
                                                  scree_row gravity) {
     const struct scree_record *record = &bodies->record[index];
-    struct scree_past *past = &bodies->past[index];
     double *state = bodies->state[index].v;
     scree_row f = *(const scree_row *)record->f, t = *(const scree_row *)record->t, v = *(const scree_row *)state;
     scree_row moved = scree_row_times(record->inverse_mass, *(const scree_row *)bodies->moment[index]) +
@@ -66,11 +73,7 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
     *(scree_row *)state = v; /* in this order: its fourth number isn't that of the momentum */
     *(scree_row *)&state[2] = __builtin_shufflevector(v, l, 2, 4, 5, 6);
     for (int k = 0; k < 3; k++) bodies->position[index][k] = x[k];
-    scree_row f_before = *(const scree_row *)past->f[0], t_before = *(const scree_row *)past->t[0];
-    *(scree_row *)past->f[0] = f; /* in this order, likewise */
-    *(scree_row *)past->f[1] = f_before;
-    *(scree_row *)past->t[0] = t;
-    scree_row_put(t_before, past->t[1]);
+    scree_settle_past(&bodies->past[index], record);
 }
 
 #else
@@ -110,7 +113,6 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
                                                  scree_row gravity) {
     const struct scree_record *record = &bodies->record[index];
     const double *moment = bodies->moment[index];
-    struct scree_past *past = &bodies->past[index];
     struct scree_state *state = &bodies->state[index];
     double inverse_mass = record->inverse_mass;
     for (int k = 0; k < 3; k++) {
@@ -121,10 +123,7 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
         bodies->position[index][k] =
             record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
     }
-    memcpy(past->f[1], past->f[0], sizeof past->f[0]);
-    memcpy(past->t[1], past->t[0], sizeof past->t[0]);
-    memcpy(past->f[0], record->f, sizeof past->f[0]);
-    memcpy(past->t[0], record->t, sizeof past->t[0]);
+    scree_settle_past(&bodies->past[index], record);
 }
 #endif
 

@@ -457,9 +457,14 @@ int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodie
 void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct scree_bodies *bodies, int count,
                                        double time, double step, const double gravity[3], int threads);
 
-/* All near contacts through one step by pair impulses: `bodies` half a step ahead, `now` at its start
- * (scree_contacts_look_both). Impulses and moments are added to the bodies. `go`: as for scree_contacts_act_and_move.
- */
+/* Contacts first … first + count - 1, a block or less, through such a step: what they yield (impulse.c). */
+void scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                       const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
+                       double step, struct scree_yield *yield, struct scree_moments *moments);
+
+/* All near contacts through one step by pair impulses (impel.c): `bodies` half a step ahead, `now` at its start
+ * (scree_contacts_look_both). Impulses and moments are added to the bodies. `go` and what is returned: as with
+ * scree_contacts_act_and_move. */
 int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                          double step, int threads, const struct scree_departure *go);
 
@@ -560,6 +565,7 @@ struct scree_trail {
     int next;
 };
 
+/* The first place that a contact has to do with. */
 static inline int scree_first_of(const struct scree_ends *contact) {
     return contact->ball < contact->host ? contact->ball : contact->host;
 }

@@ -9,6 +9,7 @@
  * Choices are made per batch, never per contact. This file is compiled once for each kind of processor
  * (contact/meson.build), and uses nothing that could make a difference in a bit. */
 #include "contact/loop.h"
+#include "contact/ahead.h"
 #include "contact/passes.h"
 #include "contact/push.h"
 
@@ -123,20 +124,14 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 /* ---- memory ---- */
 
 /* Bodies lie in the order in which contacts come to them, so that a scene goes through the cache once a step: from
- * AHEAD bodies before they are needed. Into the second cache: the first has few places for what is on its way. Partners
- * that lie farther (of the next slab) are asked for by themselves. Fewer than MANY bodies stay in the caches. */
+ * AHEAD bodies before they are needed. Partners that lie farther (of the next slab) are asked for by themselves. Fewer
+ * than MANY bodies stay in the caches. */
 enum { AHEAD = 192, BLOCKS_AHEAD = 3, MANY = 16384 };
 
-/* Inlined: a function that does nothing but ask is none to a compiler that looks for effects. */
-static SCREE_INLINE void call(const void *array, size_t from, size_t to) {
-    for (const char *line = (const char *)array + from, *end = (const char *)array + to; line < end; line += 64)
-        __builtin_prefetch(line, 0, 2);
-}
-
 static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, int from, int to) {
-    call(bodies->record, (size_t)from * sizeof *bodies->record, (size_t)to * sizeof *bodies->record);
-    call(bodies->spin, (size_t)from * sizeof *bodies->spin, (size_t)to * sizeof *bodies->spin);
-    call(bodies->state, (size_t)from * sizeof *bodies->state, (size_t)to * sizeof *bodies->state);
+    SCREE_CALL(bodies->record, from, to);
+    SCREE_CALL(bodies->spin, from, to);
+    SCREE_CALL(bodies->state, from, to);
 }
 
 /* Those of a block that lie beyond a place. */
@@ -145,8 +140,8 @@ static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struc
     for (int k = 0; k < SCREE_LANES; k++) far |= (uint32_t)((own[k].host > beyond) | (own[k].ball > beyond)) << k;
     for (; far; far &= far - 1) {
         int k = __builtin_ctz(far), later = own[k].host > own[k].ball ? own[k].host : own[k].ball;
-        call(&bodies->record[later], 0, sizeof *bodies->record);
-        call(&bodies->spin[later], 0, sizeof *bodies->spin);
+        SCREE_CALL(bodies->record, later, later + 1);
+        SCREE_CALL(bodies->spin, later, later + 1);
     }
 }
 
@@ -158,13 +153,12 @@ static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const str
     if (bodies->count < MANY) return;
     int first = scree_first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
     int from = *called > first ? *called : first, to = from + (goal - from + 3 - quarter) / (4 - quarter);
-    size_t later = (size_t)(BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER);
+    int later = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER;
     if (to > from) call_bodies(bodies, from, *called = to);
     if (quarter == 0 && left > BLOCKS_AHEAD * SCREE_LANES)
         call_far(bodies, own + (BLOCKS_AHEAD - 1) * SCREE_LANES, first + AHEAD);
-    call(own, later * sizeof *own, (later + QUARTER) * sizeof *own);
-    for (int m = 0; w->wants.remembers && m < 3; m++)
-        call(w->kept[m], later * sizeof(double), (later + QUARTER) * sizeof(double));
+    SCREE_CALL(own, later, later + QUARTER);
+    for (int m = 0; w->wants.remembers && m < 3; m++) SCREE_CALL(w->kept[m], later, later + QUARTER);
 }
 
 /* ---- bodies ---- */

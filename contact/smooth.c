@@ -2,10 +2,12 @@
  * several at once. What they do is what within.c does, in numbers instead of matrices (lane.h): contact begins, breaks
  * loose, turns round, ends and begins again inside the step, and each of these instants is located (march.h).
  *
- * Few are left to within.c: contacts that may be pushed together again after their end, and those that are thrown back
- * before they touch. Rolling laws come behind, from the impulses (impulse.c). Which contacts are left, and all that
- * becomes of the others, is decided for each by its own numbers, so that no bit depends on its neighbours in the list,
- * on threads or on the processor. Compiled once for each kind of processor, as loop.c is.
+ * Most contacts of a bed touch all through the step, and nothing happens to them: these go straight, in loops from the
+ * bodies to what is yielded. The others are drawn together. Few are left to within.c: contacts that may be pushed
+ * together again after their end, and those that are thrown back before they touch. Rolling laws come behind, from the
+ * impulses (impulse.c). Which contacts are left, and all that becomes of the others, is decided for each by its own
+ * numbers, so that no bit depends on its neighbours in the list, on threads or on the processor. Compiled once for each
+ * kind of processor, as loop.c is.
  */
 #include "contact/law_list.h"
 #include "contact/loop.h"

@@ -203,14 +203,17 @@ static scree_status step_by_impulses(scree_scene *scene, int more) {
     struct scree_bodies *bodies = &scene->bodies, *now = &scene->shadow;
     double time = scree_scene_time(scene), step = scene->step;
     struct scree_departure go = {.step = step, .ahead = more, .now = now};
-    int looks = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
+    int looks = scene->ahead ? bodies->order.members : bodies->count;
+    int too_far = scene->waits || (scene->ahead && scene->too_far);
     int at_once = bodies->order.slabs > 0 && !scene->time.energy;
     scree_gravity_at(scene, time + 0.5 * step, go.gravity);
     scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
     scene->ahead = 0;
-    too_far |= scree_contacts_look_both(&scene->contacts, bodies, looks, time, step, go.gravity,
-                                        0.5 * scene->contacts.skin, now, threads_of(scene));
+    if (!scene->waits)
+        too_far |= scree_contacts_look_both(&scene->contacts, bodies, looks, time, step, go.gravity,
+                                            0.5 * scene->contacts.skin, now, threads_of(scene));
     scree_status status = keep_lists(scene, now, too_far | scene->contacts.broken);
+    scene->waits = status == SCREE_NO_MEMORY;
     if (status) return status;
     go.margin = 0.5 * scene->contacts.skin;
     scene->too_far = scree_contacts_impel(&scene->contacts, bodies, now, step, threads_of(scene), at_once ? &go : NULL);

@@ -493,6 +493,7 @@ static void test_refusals(const char *const *pair_impulse) {
     check_refusals(gas, NULL, 0, 0, 530, 50);
     check_refusals(gas, NULL, 0, 1, 60, 5);
     check_refusals(gas, pair_impulse, 2, 0, 100, 50);
+    check_refusals(gas, pair_impulse, 1, 0, 100, 50); /* with rolling, which sees the spins of mid-step */
     check_refusals(grains, adaptive, 2, 0, 40, 10);
     snprintf(grains + used, sizeof grains - (size_t)used, grain, "many", 500, 0.2, -1.1);
     check_refusals(grains, NULL, 0, 0, 1100, 25);

@@ -1,0 +1,19 @@
+/* Asking for memory before it is needed: into the second cache, since the first has few places for what is on its way.
+ * Whoever asks must be inlined: a function that does nothing else is none to a compiler that looks for effects. */
+#ifndef SCREE_CONTACT_AHEAD_H
+#define SCREE_CONTACT_AHEAD_H
+
+#include "bodies/vec.h"
+
+#include <stddef.h>
+
+/* The lines of an array from byte `from` on, up to `to`. */
+static SCREE_INLINE void scree_call(const void *array, size_t from, size_t to) {
+    for (const char *line = (const char *)array + from, *end = (const char *)array + to; line < end; line += 64)
+        __builtin_prefetch(line, 0, 2);
+}
+
+/* The same, counted in its elements. */
+#define SCREE_CALL(array, from, to) scree_call(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
+
+#endif

@@ -1,0 +1,201 @@
+/* All near contacts through one step of pair impulses (impulse.c), by threads as in act.c, and the balls before and
+ * behind them: those of slabs move on behind the contacts of their slab. */
+#include "contact/ahead.h"
+#include "contact/loop.h"
+
+static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
+    scree_impel_lanes(contacts, bodies, now, batch, batch->segment[0].first + block * SCREE_LANES,
+                      scree_contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block]);
+}
+
+/* Moments of angular impulses into the bodies; balls have no attitude, and need none. `hosts` 0: partners are
+ * frozen. */
+static void add_turn_moments(struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
+                             int hosts, const struct scree_moments *moments) {
+    for (int lane = 0; batch->any_turns && lane < count; lane++) {
+        struct scree_contact own = scree_contact_at(batch, first + lane), *contact = &own;
+        int turns = scree_contact_turns(batch, contact);
+        int ball_turns = turns && bodies->class[contact->ball] == SCREE_CLASS_GENERAL;
+        int host_turns = turns && hosts && bodies->class[contact->host] == SCREE_CLASS_GENERAL;
+        double *ball = ball_turns ? scree_attitude_of(bodies, contact->ball)->turn_moment : NULL;
+        double *host = host_turns ? scree_attitude_of(bodies, contact->host)->turn_moment : NULL;
+        for (int k = 0; ball_turns && k < 3; k++) ball[k] += moments->turn_ball[k][lane];
+        for (int k = 0; host_turns && k < 3; k++) host[k] += moments->turn_host[k][lane];
+    }
+}
+
+/* Contacts that turn nothing, among others that do. */
+static void clear_turns(const struct scree_batch *batch, int first, int count, struct scree_yield *yield) {
+    for (int lane = 0; batch->any_turns && !batch->turns && lane < count; lane++) {
+        struct scree_contact own = scree_contact_at(batch, first + lane);
+        for (int k = 0; k < 3 && !scree_contact_turns(batch, &own); k++)
+            yield->turn_ball[k][lane] = yield->turn_host[k][lane] = 0.0;
+    }
+}
+
+static void tally_lane(const struct scree_ends *contact, const struct scree_yield *yield, int lane,
+                       struct scree_tally *tally) {
+    if (!(yield->depth[lane] <= tally->deepest)) {
+        tally->deepest = yield->depth[lane];
+        tally->deepest_ball = contact->ball;
+        tally->deepest_host = contact->host;
+    }
+    if (!(yield->steep[lane] <= tally->steepest)) {
+        tally->steepest = yield->steep[lane];
+        tally->steepest_ball = contact->ball;
+        tally->steepest_host = contact->host;
+    }
+}
+
+/* Few blocks have what is deeper or steeper than any before. */
+static void tally_up(const struct scree_ends *contact, const struct scree_yield *yield, int count,
+                     struct scree_tally *tally) {
+    double deepest = tally->deepest, steepest = tally->steepest;
+    int more = 0;
+    _Pragma("omp simd reduction(| : more)")
+    for (int lane = 0; lane < count; lane++)
+        more |= !(yield->depth[lane] <= deepest) | !(yield->steep[lane] <= steepest);
+    for (int lane = 0; more && lane < count; lane++) tally_lane(&contact[lane], yield, lane, tally);
+}
+
+/* One step's arguments, for slabs. */
+struct stride {
+    const struct scree_bodies *now;
+};
+
+/* Bodies lie in the order in which contacts come to them: they are asked for so many places ahead, partners that lie
+ * farther by themselves, and what is kept of contacts some blocks ahead (as in loop.c). Fewer than MANY stay in the
+ * caches. */
+enum { AHEAD = 96, BLOCKS_AHEAD = 3, MANY = 8192 };
+
+static SCREE_INLINE void call_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
+    SCREE_CALL(bodies->record, k, k + 1);
+    SCREE_CALL(bodies->push, k, k + 1);
+    __builtin_prefetch(bodies->moment[k], 0, 2);
+    __builtin_prefetch(now->record[k].x, 0, 2);
+    __builtin_prefetch(now->spin[k].w, 0, 2);
+}
+
+static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, const struct scree_bodies *now, int from,
+                                     int to) {
+    SCREE_CALL(bodies->record, from, to);
+    SCREE_CALL(bodies->spin, from, to);
+    SCREE_CALL(bodies->push, from, to);
+    SCREE_CALL(bodies->moment, from, to);
+    SCREE_CALL(bodies->past, from, to);
+    SCREE_CALL(bodies->state, from, to);
+    SCREE_CALL(bodies->position, from, to);
+    SCREE_CALL(now->spin, from, to);
+    for (int k = from; k < to; k++) __builtin_prefetch(now->record[k].x, 0, 2);
+}
+
+static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const struct scree_bodies *now,
+                                    const struct scree_batch *batch, int next, int left, int *called) {
+    const struct scree_ends *own = &batch->ends[next];
+    if (left <= 0 || bodies->count < MANY) return;
+    int first = scree_first_of(own), to = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
+    int from = *called > first ? *called : first, later = BLOCKS_AHEAD * SCREE_LANES;
+    if (to > from) call_bodies(bodies, now, from, *called = to);
+    for (int k = later; k < later + SCREE_LANES && k < left; k++) {
+        int last = own[k].ball > own[k].host ? own[k].ball : own[k].host;
+        if (last >= first + AHEAD) call_partner(bodies, now, last);
+    }
+    SCREE_CALL(own, later, later + SCREE_LANES);
+    for (int m = 0; m < SCREE_PAST; m++) SCREE_CALL(&batch->past[m][next], later, later + SCREE_LANES);
+    for (int m = 0; batch->kept[0] && m < 3; m++) SCREE_CALL(&batch->kept[m][next], later, later + SCREE_LANES);
+}
+
+/* Bodies before place `first` move on, a block of them at a time. */
+static void follow(const struct scree_contacts *contacts, struct scree_bodies *bodies, int first,
+                   struct scree_trail *trail, struct scree_tally *tally) {
+    int to = trail->next + (first - trail->next) / SCREE_LANES * SCREE_LANES;
+    if (to <= trail->next) return;
+    tally->too_far |= contacts->loop->move(bodies, trail->next, to, trail->go, trail->lent, 0);
+    trail->next = to;
+}
+
+static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
+                          const struct scree_batch *batch, const struct scree_part *segment, double step,
+                          struct scree_tally *tally, struct scree_trail *trail) {
+    const struct stride *stride = context;
+    struct scree_yield yield;
+    struct scree_moments moments;
+    int hosts = batch->geometry == SCREE_BALL_BALL, called = 0;
+    for (int done = 0; done < segment->count; done += SCREE_LANES) {
+        int left = segment->count - done, first = segment->first + done,
+            count = left < SCREE_LANES ? left : SCREE_LANES;
+        call_ahead(bodies, stride->now, batch, first + count, left - count, &called);
+        scree_impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
+        clear_turns(batch, first, count, &yield);
+        contacts->loop->add_up(bodies, &batch->ends[first], count, batch->any_turns, hosts, &yield, &moments);
+        add_turn_moments(bodies, batch, first, count, hosts, &moments);
+        tally_up(&batch->ends[first], &yield, count, tally);
+        if (contacts->measured) scree_tally_losses(tally, &yield.lost, count);
+        if (trail && left > count) follow(contacts, bodies, scree_first_of(&batch->ends[first + count]), trail, tally);
+    }
+}
+
+static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
+                        const struct scree_batch *batch, double step, int threads) {
+    int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
+    if (threads > 1 && blocks > 8) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
+    } else {
+        for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
+    }
+    for (int block = 0; block < blocks; block++) {
+        scree_contacts_collect(contacts, bodies, batch, block);
+        int first = batch->segment[0].first + block * SCREE_LANES, count = scree_contacts_in_block(batch, block);
+        const struct scree_moments *moments = &batch->moments[block];
+        for (int lane = 0; lane < count; lane++)
+            for (int k = 0; k < 3; k++) {
+                bodies->moment[batch->ends[first + lane].ball][k] += moments->impulse[k][lane];
+                bodies->moment[batch->ends[first + lane].host][k] -= moments->impulse[k][lane];
+            }
+        add_turn_moments(bodies, batch, first, count, 1, moments);
+    }
+}
+
+int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
+                         double step, int threads, const struct scree_departure *go) {
+    struct stride stride = {now};
+    for (int k = 0; k < contacts->busy_batches; k++)
+        impel_loose(contacts, bodies, now, &contacts->batch[contacts->busy[k]], step, threads);
+    return scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
+}
+
+enum { FEW = 1000, CHUNK = 256 }; /* bodies for which a team of threads doesn't pay; that one thread takes at once */
+
+static int chunk_end(int from, int count) { return from + CHUNK < count ? from + CHUNK : count; }
+
+/* One thread has a loop of its own: a parallel region takes longer than a few bodies, even with a team of one. */
+int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodies *bodies, int count, double time,
+                             double step, const double gravity[3], double margin, struct scree_bodies *now,
+                             int threads) {
+    const struct scree_loop *loop = contacts->loop;
+    int too_far = scree_bodies_look_both(bodies, time, step, gravity, margin, now);
+    if (threads > 1 && count > FEW) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int from = 0; from < count; from += CHUNK)
+            if (loop->look_both(bodies, from, chunk_end(from, count), step, gravity, margin, now))
+                __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
+    } else {
+        too_far |= loop->look_both(bodies, 0, count, step, gravity, margin, now);
+    }
+    return too_far;
+}
+
+void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct scree_bodies *bodies, int count,
+                                       double time, double step, const double gravity[3], int threads) {
+    const struct scree_loop *loop = contacts->loop;
+    scree_bodies_advance_by_moments(bodies, time, step, gravity);
+    if (threads > 1 && count > FEW) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int from = 0; from < count; from += CHUNK)
+            loop->advance_by_moments(bodies, from, chunk_end(from, count), step, gravity);
+    } else {
+        loop->advance_by_moments(bodies, 0, count, step, gravity);
+    }
+}
