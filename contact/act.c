@@ -154,53 +154,52 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
     }
 }
 
-/* Slabs of the stretch that begins with slab `first`, but for that one, and for the last one, which waits for the first
- * of the next stretch. */
-static void act_rest(const struct slabs *all, int first) {
-    int slabs = all->bodies->order.slabs, next = first + SCREE_STRETCH, end = next < slabs ? next - 1 : slabs;
-    for (int slab = first + 1; slab < end; slab++) act_slab(all, slab);
+/* Where slabs are: nobody has begun one, somebody has, it is through. */
+enum { FREE, TAKEN, DONE };
+
+/* Whether a slab may begin: the first of a stretch at once, others after the one before; the last one (but of the last
+ * stretch) after the first of the next stretch, too. */
+static int is_ready(const atomic_char *state, int slab, int slabs) {
+    int waits = slab % SCREE_STRETCH != 0, lends = (slab + 1) % SCREE_STRETCH == 0 && slab + 1 < slabs;
+    return (!waits || atomic_load(&state[slab - 1]) == DONE) && (!lends || atomic_load(&state[slab + 1]) == DONE);
 }
 
-static void act_alone(const struct slabs *all) {
-    for (int first = 0; first < all->bodies->order.slabs; first += SCREE_STRETCH) {
-        act_slab(all, first);
-        if (first > 0) act_slab(all, first - 1);
-        act_rest(all, first);
+/* Take the next slab that is ready, from slab `own` on and around. Returns -1 if there is none; `left`: there will
+ * be. */
+static int take_slab(atomic_char *state, int own, int slabs, int *left) {
+    *left = 0;
+    for (int turn = 0; turn < slabs; turn++) {
+        int slab = (own + turn) % slabs;
+        char unclaimed = FREE;
+        if (atomic_load(&state[slab]) != FREE) continue;
+        *left = 1;
+        if (is_ready(state, slab, slabs) && atomic_compare_exchange_strong(&state[slab], &unclaimed, TAKEN)) return slab;
     }
+    return -1;
 }
 
-/* By several threads: each takes the stretches of its own part first, which it had the step before, so that bodies stay
- * with it; then what others haven't begun; then, likewise, the slabs that waited. So nobody waits for a slow neighbour,
- * and what is taken last is small. `opened`: the first slab is through; `done`: the others too. */
-static void act_shared(const struct slabs *all, int threads) {
-    int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
-    atomic_char taken[SCREE_SLABS] = {0}, opened[SCREE_SLABS] = {0}, done[SCREE_SLABS] = {0}, joined[SCREE_SLABS] = {0};
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int thread = 0; thread < threads; thread++) {
-        int first = thread * stretches / threads;
-        for (int turn = 0; turn < stretches; turn++) {
-            int own = (first + turn) % stretches;
-            if (atomic_exchange(&taken[own], 1)) continue;
-            act_slab(all, own * SCREE_STRETCH);
-            atomic_store(&opened[own], 1);
-            act_rest(all, own * SCREE_STRETCH);
-            atomic_store(&done[own], 1);
-        }
-        for (int turn = 0; turn < stretches; turn++) {
-            int own = (first + turn) % stretches;
-            if (own == 0 || atomic_exchange(&joined[own], 1)) continue;
-            while (!atomic_load(&done[own - 1]) || !atomic_load(&opened[own])) sched_yield();
-            act_slab(all, own * SCREE_STRETCH - 1);
+/* What one thread does: its own slabs first, which it had the step before, so that bodies stay with it; then what is
+ * left of others'. So nobody waits for a slow neighbour. */
+static void share_slabs(const struct slabs *all, atomic_char *state, int own) {
+    int slabs = all->bodies->order.slabs, left = 1;
+    while (left) {
+        int slab = take_slab(state, own, slabs, &left);
+        if (slab >= 0) {
+            act_slab(all, slab);
+            atomic_store(&state[slab], DONE);
+        } else if (left) {
+            sched_yield();
         }
     }
 }
 
-/* One stretch has nothing to share. */
 static void act_slabs(const struct slabs *all, int threads) {
-    if (threads > 1 && all->bodies->order.slabs > SCREE_STRETCH)
-        act_shared(all, threads);
-    else
-        act_alone(all);
+    int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
+    atomic_char state[SCREE_SLABS] = {FREE};
+    if (stretches < 2) threads = 1;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int thread = 0; thread < threads; thread++)
+        share_slabs(all, state, thread * stretches / threads * SCREE_STRETCH);
     add_tallies(all->contacts, all->bodies);
 }
 
