@@ -164,42 +164,54 @@ static int is_ready(const atomic_char *state, int slab, int slabs) {
     return (!waits || atomic_load(&state[slab - 1]) == DONE) && (!lends || atomic_load(&state[slab + 1]) == DONE);
 }
 
+/* Slabs in work. */
+struct shares {
+    const struct slabs *all;
+    int slabs, stretches;
+    int by; /* slabs are looked over in steps of so many */
+    atomic_char state[SCREE_SLABS];
+};
+
 /* Take the next slab that is ready, from slab `own` on and around. Returns -1 if there is none; `left`: there will
  * be. */
-static int take_slab(atomic_char *state, int own, int slabs, int *left) {
+static int take_slab(struct shares *shares, int own, int *left) {
+    int around = shares->stretches * SCREE_STRETCH;
     *left = 0;
-    for (int turn = 0; turn < slabs; turn++) {
-        int slab = (own + turn) % slabs;
-        char unclaimed = FREE;
-        if (atomic_load(&state[slab]) != FREE) continue;
-        *left = 1;
-        if (is_ready(state, slab, slabs) && atomic_compare_exchange_strong(&state[slab], &unclaimed, TAKEN)) return slab;
-    }
+    for (int first = 0; first < shares->by; first++)
+        for (int turn = first; turn < around; turn += shares->by) {
+            int slab = (own + turn) % around;
+            char unclaimed = FREE;
+            if (slab >= shares->slabs || atomic_load(&shares->state[slab]) != FREE) continue;
+            *left = 1;
+            if (is_ready(shares->state, slab, shares->slabs) &&
+                atomic_compare_exchange_strong(&shares->state[slab], &unclaimed, TAKEN))
+                return slab;
+        }
     return -1;
 }
 
 /* What one thread does: its own slabs first, which it had the step before, so that bodies stay with it; then what is
  * left of others'. So nobody waits for a slow neighbour. */
-static void share_slabs(const struct slabs *all, atomic_char *state, int own) {
-    int slabs = all->bodies->order.slabs, left = 1;
-    while (left) {
-        int slab = take_slab(state, own, slabs, &left);
+static void share_slabs(struct shares *shares, int own) {
+    for (int left = 1; left;) {
+        int slab = take_slab(shares, own, &left);
         if (slab >= 0) {
-            act_slab(all, slab);
-            atomic_store(&state[slab], DONE);
+            act_slab(shares->all, slab);
+            atomic_store(&shares->state[slab], DONE);
         } else if (left) {
             sched_yield();
         }
     }
 }
 
+/* One thread goes along the stretches, several do the first slabs of all stretches first, then the second ones: what
+ * others wait for is never left to the end. */
 static void act_slabs(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
-    atomic_char state[SCREE_SLABS] = {FREE};
-    if (stretches < 2) threads = 1;
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (int thread = 0; thread < threads; thread++)
-        share_slabs(all, state, thread * stretches / threads * SCREE_STRETCH);
+    int team = stretches > 1 ? threads : 1;
+    struct shares shares = {all, slabs, stretches, team > 1 ? SCREE_STRETCH : 1, {FREE}};
+#pragma omp parallel for schedule(static) num_threads(team) if (team > 1)
+    for (int thread = 0; thread < team; thread++) share_slabs(&shares, thread * stretches / team * SCREE_STRETCH);
     add_tallies(all->contacts, all->bodies);
 }
 

@@ -554,7 +554,7 @@ void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies
                             const struct scree_batch *batch, int block);
 
 /* Slabs go in stretches of so many, which don't depend on each other but for the last slab of each (act.c). */
-enum { SCREE_STRETCH = 4 };
+enum { SCREE_STRETCH = 3 };
 
 /* Members of a slab that may move on behind its contacts, which come by rising place of their first body: from place
  * `next` on, those before the first body of all contacts to come; but for those that are lent (NULL: none is). Who
