@@ -210,8 +210,12 @@ static void act_slabs(const struct slabs *all, int threads) {
     int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
     int team = stretches > 1 ? threads : 1;
     struct shares shares = {all, slabs, stretches, team > 1 ? SCREE_STRETCH : 1, {FREE}};
-#pragma omp parallel for schedule(static) num_threads(team) if (team > 1)
-    for (int thread = 0; thread < team; thread++) share_slabs(&shares, thread * stretches / team * SCREE_STRETCH);
+    if (team > 1) {
+#pragma omp parallel for schedule(static) num_threads(team)
+        for (int thread = 0; thread < team; thread++) share_slabs(&shares, thread * stretches / team * SCREE_STRETCH);
+    } else {
+        share_slabs(&shares, 0);
+    }
     add_tallies(all->contacts, all->bodies);
 }
 

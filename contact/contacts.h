@@ -124,7 +124,6 @@ struct scree_batch {
     struct scree_part *segment; /* SCREE_SEGMENTS of them */
     int count, capacity;        /* near contacts of all segments; places for them, gaps between segments included */
     struct scree_ends *ends;
-    int strays;  /* while lists are made: some contacts of members belong to segment 0 */
     int corners; /* some contacts may have one; of other batches there is no column of them */
     int *corner;
     double *pair[SCREE_PAIR_COLUMNS];
@@ -337,7 +336,8 @@ struct scree_contacts {
     double widest_margin; /* and that is the most that one has */
     double step;          /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
     float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
-    unsigned char *lent;  /* [place]: 1: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before */
+    unsigned char *lent;  /* [place]: 1: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before;
+                           * while lists are made: a member that comes first in contacts of segment 0 */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
     struct scree_space boxes;
@@ -541,7 +541,7 @@ static inline double scree_periods_in(const struct scree_bodies *bodies, double 
 
 /* Put every free body that has left the periodic box back into it, and make the lists anew; how many have is in
  * `returns` then. SCREE_NO_MEMORY: nothing was changed, in every bit. */
-scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree_bodies *bodies,
+scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                    scree_trouble *trouble);
 
 /* Let contacts of the bodies in `returned` name the images that they mean now, in the batches that these belong to.

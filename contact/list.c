@@ -113,11 +113,11 @@ static void encode(struct scree_batch *batch, struct scree_part *segment, const 
     put_code(batch, segment, 2 * partner + swap, pass);
 }
 
-static void take(const struct scree_bodies *bodies, struct scree_batch *batch, const struct scree_contact *contact,
-                 int pass) {
+static void take(struct scree_contacts *contacts, const struct scree_bodies *bodies, struct scree_batch *batch,
+                 const struct scree_contact *contact, int pass) {
     int s = scree_segment_of(bodies, batch, contact);
     struct scree_part *segment = &batch->segment[s];
-    if (s == 0 && !(pass & LOOSE)) __atomic_store_n(&batch->strays, 1, __ATOMIC_RELAXED); /* by several threads */
+    if (s == 0 && !(pass & LOOSE)) contacts->lent[contact->ball < contact->host ? contact->ball : contact->host] = 1;
     if (!(pass & (s > 0 ? OF_SLABS : LOOSE))) return;
     if (pass & FILL && s == 0) batch->loose[segment->outer_count] = *contact;
     if (s > 0) encode(batch, segment, contact, pass);
@@ -139,7 +139,7 @@ static int take_balls(struct scree_contacts *contacts, const struct scree_bodies
         struct scree_contact contact = {ball, host, corner};
         int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
         if (!near && !(scree_gap(bodies, &contact, left, overlap) <= left)) continue;
-        take(bodies, batch, &contact, pass);
+        take(contacts, bodies, batch, &contact, pass);
         taken++;
     }
     return taken;
@@ -197,7 +197,7 @@ static void take_boxes(struct scree_contacts *contacts, const struct scree_bodie
     int code[SCREE_EDGES * SCREE_EDGES], count = scree_near_edges(&boxes, overlap, left, code);
     for (int k = 0; k < count; k++) {
         struct scree_contact contact = {ball, host, code[k]};
-        take(bodies, batch, &contact, pass);
+        take(contacts, bodies, batch, &contact, pass);
     }
 }
 
@@ -210,7 +210,7 @@ static void take_image(struct scree_contacts *contacts, const struct scree_bodie
     struct vec apart = scree_apart(bodies, &contact, geometry), flown = scree_flown(contacts, bodies, ball, host);
     double gap = sqrt(scree_nearest2(apart, flown)) - bodies->record[ball].radius - bodies->record[host].radius;
     if (gap <= scree_left_of(contacts, bodies, ball, host))
-        take(bodies, scree_batch_for(contacts, rule, geometry), &contact, pass);
+        take(contacts, bodies, scree_batch_for(contacts, rule, geometry), &contact, pass);
 }
 
 /* A ball on the nearest image of another, and where the box is so small that several are in reach on those too. */
@@ -255,13 +255,14 @@ static void take_some(struct scree_contacts *contacts, const struct scree_bodies
 }
 
 /* Two members make a contact of the first one's slab, and slabs can be filled at once; or of segment 0, if they are
- * images or, fast as they are, may meet from slabs that aren't neighbours: those come one after the other. */
+ * images or, fast as they are, may meet from slabs that aren't neighbours: those come one after the other, and bodies
+ * that have some are marked meanwhile in `lent`. */
 static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads, int pass) {
     const struct scree_order *order = &bodies->order;
-    int members = order->slabs ? order->members : bodies->count, shared = threads > 1 && !bodies->periodic, strays = 0;
+    int members = order->slabs ? order->members : bodies->count, shared = threads > 1;
+    memset(contacts->lent, 0, (size_t)bodies->count);
     for (int b = 0; b < contacts->batches; b++) {
         contacts->batch[b].any_turns = contacts->batch[b].turns;
-        contacts->batch[b].strays = 0;
         for (int s = 0; s <= order->slabs; s++) {
             struct scree_part *segment = &contacts->batch[b].segment[s];
             segment->outer_count = segment->codes = 0;
@@ -273,8 +274,8 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
     for (int slab = 0; slab < order->slabs; slab++)
         take_some(contacts, bodies, order->start[slab], order->start[slab + 1],
                   shared ? pass | OF_SLABS : pass | OF_SLABS | LOOSE);
-    for (int b = 0; b < contacts->batches; b++) strays |= contacts->batch[b].strays;
-    if (strays) take_some(contacts, bodies, members, bodies->count, pass | LOOSE);
+    for (int k = members; k < bodies->count; k++)
+        if (contacts->lent[k]) take_some(contacts, bodies, k, k + 1, pass | LOOSE);
 }
 
 /* Batches that hold contacts; those of two balls last, for then bodies can move on behind them (act.c). */
@@ -429,9 +430,11 @@ static void begin_margins(struct scree_contacts *contacts, const struct scree_bo
 }
 
 /* Margins after an outer list. */
-static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+static void grant_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads) {
+    (void)threads; /* without OpenMP */
     double half = 0.5 * contacts->skin;
     begin_margins(contacts, bodies);
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int k = 0; k < bodies->count; k++) {
         int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
         contacts->spare[k] = at_most(half - bodies->path[k]);
@@ -553,7 +556,7 @@ static scree_status make_lists(struct scree_contacts *contacts, struct scree_bod
     take_all(contacts, bodies, threads, FILL);
     status = note_boxes(contacts, bodies, trouble);
     if (status) return status;
-    grant_all(contacts, bodies);
+    grant_all(contacts, bodies, threads);
     for (int k = 0; k < contacts->busy_batches && !status; k++) {
         struct scree_batch *batch = &contacts->batch[contacts->busy[k]];
         sort(batch);
@@ -600,10 +603,11 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
     int over = contacts->flights.flown + 2.0 * contacts->step > contacts->flights.last; /* after the step to come */
     if (contacts->broken || over) return scree_contacts_list(contacts, bodies, threads, trouble);
     begin_margins(contacts, bodies);
-    for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] == SCREE_CLASS_FIXED || scree_grant_anew(contacts, bodies, k)) continue;
-        return scree_contacts_list(contacts, bodies, threads, trouble);
-    }
+    int exhausted = 0;
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(| : exhausted) if (threads > 1)
+    for (int k = 0; k < bodies->count; k++)
+        exhausted |= bodies->class[k] != SCREE_CLASS_FIXED && !scree_grant_anew(contacts, bodies, k);
+    if (exhausted) return scree_contacts_list(contacts, bodies, threads, trouble);
     contacts->renewals++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }

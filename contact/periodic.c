@@ -60,7 +60,7 @@ static void send_off(struct scree_contacts *contacts, struct scree_bodies *bodie
     contacts->returns = 0;
 }
 
-scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree_bodies *bodies,
+scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                    scree_trouble *trouble) {
     scree_status status = find_returns(contacts, bodies, trouble);
     if (status) contacts->returns = 0;
@@ -68,7 +68,7 @@ scree_status scree_contacts_return(struct scree_contacts *contacts, struct scree
     bring_back(contacts, bodies);
     status = scree_contacts_recode(contacts, bodies, trouble);
     int recoded = status == SCREE_OK;
-    if (!status) status = scree_contacts_list(contacts, bodies, 1, trouble);
+    if (!status) status = scree_contacts_list(contacts, bodies, threads, trouble);
     if (status) send_off(contacts, bodies, recoded);
     return status;
 }

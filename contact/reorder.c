@@ -57,8 +57,7 @@ static void sift(const struct scree_bodies *bodies, const struct scree_batch *ba
     }
 }
 
-static void sort_indices(const struct scree_bodies *bodies, const struct scree_batch *batch, int *index, int count) {
-    for (int k = 0; k < count; k++) index[k] = k;
+static void heap_sort(const struct scree_bodies *bodies, const struct scree_batch *batch, int *index, int count) {
     for (int k = count / 2; k-- > 0;) sift(bodies, batch, index, k, count);
     for (int last = count; last-- > 1;) {
         int value = index[0];
@@ -66,6 +65,25 @@ static void sort_indices(const struct scree_bodies *bodies, const struct scree_b
         index[last] = value;
         sift(bodies, batch, index, 0, last);
     }
+}
+
+/* Contacts by their indices, in order. As a rule the first `stay` are so: then the others are sorted and merged in, for
+ * which `index` has room behind its end. */
+static void sort_indices(const struct scree_bodies *bodies, const struct scree_batch *batch, int stay, int count,
+                         int *index) {
+    for (int k = 1; k < stay; k++)
+        if (in_order(bodies, batch, k, k - 1)) stay = 0;
+    int others = count - stay, *other = stay ? index + count : index;
+    for (int k = 0; k < others; k++) other[k] = stay + k;
+    heap_sort(bodies, batch, other, others);
+    while (stay > 0 && others > 0) {
+        int later = in_order(bodies, batch, stay - 1, other[others - 1]);
+        index[stay + others - 1] = later ? other[others - 1] : stay - 1;
+        others -= later;
+        stay -= !later;
+    }
+    for (int k = 0; k < stay; k++) index[k] = k;
+    memmove(index, other, (size_t)others * sizeof *index);
 }
 
 /* Close the gaps between segments; how many contacts there are. */
@@ -79,12 +97,12 @@ static int close_up(struct scree_batch *batch) {
     return used;
 }
 
-/* Put the first `used` contacts of a batch, whose bodies lie elsewhere now, into their segments, one behind the
- * other. */
-static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int used, int *index) {
+/* Put the first `used` contacts of a batch into their segments, one behind the other; `stay`, `index`: see
+ * sort_indices. */
+static void sort_batch(const struct scree_bodies *bodies, struct scree_batch *batch, int stay, int used, int *index) {
     struct scree_column column[SCREE_ALL_COLUMNS];
     int columns = scree_all_columns_of(batch, column);
-    sort_indices(bodies, batch, index, used);
+    sort_indices(bodies, batch, stay, used, index);
     for (int c = 0; c < columns; c++) scree_permute(column[c].at, column[c].size, index, used);
     memset(batch->segment, 0, SCREE_SEGMENTS * sizeof *batch->segment);
     for (int k = 0; k < used; k++) {
@@ -109,7 +127,7 @@ scree_status scree_contacts_sort(struct scree_contacts *contacts, struct scree_b
     scree_bodies_sort(bodies, contacts->chosen_skin, key, (int *)(key + count));
     for (int b = 0; b < contacts->batches; b++) {
         rename_bodies(&contacts->batch[b], bodies->place);
-        sort_batch(bodies, &contacts->batch[b], close_up(&contacts->batch[b]), contacts->rough.memory);
+        sort_batch(bodies, &contacts->batch[b], 0, close_up(&contacts->batch[b]), contacts->rough.memory);
     }
     return scree_contacts_list(contacts, bodies, threads, trouble);
 }
@@ -234,8 +252,8 @@ static void recode_rule(struct scree_contacts *contacts, const struct scree_bodi
     in_image = take_out(contacts, image, in_image, contacts->moving + out);
     put_in(own, in_own, contacts->moving + out, in);
     put_in(image, in_image, contacts->moving, out);
-    sort_batch(bodies, own, in_own + in, contacts->rough.memory);
-    sort_batch(bodies, image, in_image + out, contacts->rough.memory);
+    sort_batch(bodies, own, in_own, in_own + in, contacts->rough.memory);
+    sort_batch(bodies, image, in_image, in_image + out, contacts->rough.memory);
 }
 
 scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct scree_bodies *bodies,

@@ -62,10 +62,22 @@ static double speed_of(const struct scree_bodies *bodies, const struct scree_bod
     return vec_norm(vec_from(now->record[k].v)) + around;
 }
 
+/* Whether there is such a body. */
+static int may_any_exceed(const struct scree_bodies *bodies, const struct scree_bodies *now, double step, double way,
+                          int threads) {
+    int any = 0;
+    (void)threads; /* without OpenMP */
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(| : any) if (threads > 1)
+    for (int k = 0; k < bodies->count; k++) any |= may_exceed(bodies, now, k, step, way);
+    return any;
+}
+
 /* A body that crosses in one step, at its speed of `now`, what a new list keeps watch over. */
 static scree_status check_haste(scree_scene *scene, const struct scree_bodies *now) {
     const struct scree_bodies *bodies = &scene->bodies;
     double step = scene->step, seen = scene->contacts.chosen_skin, most = scene->hasty * seen;
+    int many = bodies->count > FEW && !(scene->hasty > 1.0);
+    if (many && !may_any_exceed(bodies, now, step, most, threads_of(scene))) return SCREE_OK;
     for (int k = 0; k < bodies->count; k++) {
         if (!may_exceed(bodies, now, k, step, most)) continue;
         double hasty = speed_of(bodies, now, k) * step / seen;
@@ -111,7 +123,7 @@ enum { STEPS_TO_RETURN = 512 };
 static scree_status put_back(scree_scene *scene) {
     struct scree_bodies *bodies = &scene->bodies;
     if (!bodies->periodic || scene->steps % STEPS_TO_RETURN != 0) return SCREE_OK;
-    scree_status status = scree_contacts_return(&scene->contacts, bodies, &scene->trouble);
+    scree_status status = scree_contacts_return(&scene->contacts, bodies, threads_of(scene), &scene->trouble);
     for (int n = 0; n < scene->contacts.returns && !status; n++) {
         const struct scree_return *out = &scene->contacts.returned[n];
         for (int axis = 0; axis < 3; axis++)

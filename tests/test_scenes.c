@@ -630,7 +630,7 @@ static double all_kept(const scree_scene *scene, int *count) {
 static void check_memory(scree_scene *scene) {
     int before, after, expected, count;
     double kept = all_kept(scene, &before);
-    CHECK(scree_contacts_return(&scene->contacts, &scene->bodies, &scene->trouble) == SCREE_OK);
+    CHECK(scree_contacts_return(&scene->contacts, &scene->bodies, 1, &scene->trouble) == SCREE_OK);
     CHECK(scene->contacts.returns > 100);
     NEAR(all_kept(scene, &after), kept, 1e-13 * kept); /* some hundred numbers in another order */
     CHECK(before == after && before > 50);
