@@ -30,12 +30,13 @@ static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contac
     }
 }
 
-/* Keep the largest value so far, and whose it was. */
-static inline void note(double value, int ball_body, int host_body, double *largest, int *ball, int *host) {
+/* Keep the largest value so far, and whose it was: bodies by their places. */
+static inline void note(double value, const struct scree_bodies *bodies, int ball_place, int host_place,
+                        double *largest, int *ball, int *host) {
     if (value <= *largest) return;
     *largest = value;
-    *ball = ball_body;
-    *host = host_body;
+    *ball = bodies->number[ball_place];
+    *host = bodies->number[host_place];
 }
 
 static inline void collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
@@ -46,10 +47,11 @@ static inline void collect(struct scree_contacts *contacts, struct scree_bodies 
     for (int lane = 0; lane < scree_contacts_in_block(batch, block); lane++) {
         struct scree_contact contact = scree_contact_at(batch, first + lane);
         if (contacts->rest.asleep > 0 && scree_is_still(bodies, &batch->ends[first + lane])) continue;
-        int ball = bodies->number[contact.ball], host = bodies->number[contact.host];
         add_to_bodies(bodies, &contact, yield, lane, scree_contact_turns(batch, &contact));
-        note(yield->depth[lane], ball, host, &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
-        note(yield->steep[lane], ball, host, &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
+        note(yield->depth[lane], bodies, contact.ball, contact.host, &contacts->deepest, &contacts->deepest_ball,
+             &contacts->deepest_host);
+        note(yield->steep[lane], bodies, contact.ball, contact.host, &contacts->steepest, &contacts->steepest_ball,
+             &contacts->steepest_host);
         if (!contacts->measured) continue;
         contacts->lost_normal += yield->lost.normal[lane];
         contacts->work_tangential += yield->lost.tangential[lane];
@@ -68,6 +70,15 @@ static void act_block(const struct scree_contacts *contacts, const struct scree_
     loop->act(contacts, bodies, batch, first, count, step, &batch->yield[block]);
 }
 
+/* Ask for the sums of a block's bodies: they lie wherever contacts of segment 0 happen to be. */
+static SCREE_INLINE void call_sums(const struct scree_bodies *bodies, const struct scree_batch *batch, int block) {
+    const struct scree_ends *ends = batch->ends + batch->segment[0].first + block * SCREE_LANES;
+    for (int k = 0; k < scree_contacts_in_block(batch, block); k++) {
+        __builtin_prefetch(bodies->record[ends[k].ball].f, 1);
+        __builtin_prefetch(bodies->record[ends[k].host].f, 1);
+    }
+}
+
 /* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
 static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
                       double step, int threads) {
@@ -80,8 +91,10 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
         for (int block = 0; block < blocks; block++)
             if (scree_rest_works(contacts, batch, block)) act_block(contacts, bodies, batch, block, step);
     }
-    for (int block = 0; block < blocks; block++)
+    for (int block = 0; block < blocks; block++) {
+        if (block + 1 < blocks) call_sums(bodies, batch, block + 1);
         if (scree_rest_works(contacts, batch, block)) collect(contacts, bodies, batch, block);
+    }
     if (contacts->rest.asleep > 0) scree_rest_give_back(batch);
 }
 
@@ -146,11 +159,11 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
         contacts->lost_normal += tally->lost_normal;
         contacts->work_tangential += tally->work_tangential;
         if (tally->deepest_ball >= 0)
-            note(tally->deepest, bodies->number[tally->deepest_ball], bodies->number[tally->deepest_host],
-                 &contacts->deepest, &contacts->deepest_ball, &contacts->deepest_host);
+            note(tally->deepest, bodies, tally->deepest_ball, tally->deepest_host, &contacts->deepest,
+                 &contacts->deepest_ball, &contacts->deepest_host);
         if (tally->steepest_ball >= 0)
-            note(tally->steepest, bodies->number[tally->steepest_ball], bodies->number[tally->steepest_host],
-                 &contacts->steepest, &contacts->steepest_ball, &contacts->steepest_host);
+            note(tally->steepest, bodies, tally->steepest_ball, tally->steepest_host, &contacts->steepest,
+                 &contacts->steepest_ball, &contacts->steepest_host);
     }
 }
 

@@ -260,8 +260,8 @@ static inline void scree_tally_losses(struct scree_tally *tally, const struct sc
     }
 }
 
-/* Bodies look for partners in so many parts, by as many threads; the order of what they find doesn't depend on these.
- * What is found is numbers: ~k, then all that body k has found. */
+/* All bodies are looked over in so many parts, by as many threads; the order of what they find doesn't depend on these.
+ * Of partners, what is found is numbers: ~k, then all that body k has found. */
 enum { SCREE_PARTS = 32 };
 struct scree_found {
     size_t first;        /* its share of the memory */
@@ -402,7 +402,7 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
 /* The bodies that have outgrown their margins, by their places, if all can be answered alone (widen.c): how many they
  * are. 0: the lists are to be renewed. */
 enum { SCREE_ASKING = 32 };
-int scree_contacts_asking(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+int scree_contacts_asking(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                           int asking[SCREE_ASKING]);
 
 /* Give these new margins, and put what comes near by them into the near lists. Otherwise as scree_contacts_renew. */

@@ -4,19 +4,47 @@
 
 #include <string.h>
 
-int scree_contacts_asking(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                          int asking[SCREE_ASKING]) {
+/* Those who ask among some bodies: so many, and where they are. */
+struct askers {
+    int count, place[SCREE_ASKING];
+};
+
+/* One more than SCREE_ASKING are too many to go on. */
+static void find_askers(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int from, int to,
+                        struct askers *askers) {
     enum { BLOCK = 64 }; /* looked over at once */
-    int count = 0;
-    if (contacts->broken || scree_flights_over(contacts) || contacts->answers == contacts->enough) return 0;
-    for (int from = 0; from < bodies->count; from += BLOCK) {
-        int to = bodies->count - from < BLOCK ? bodies->count : from + BLOCK, some = 0;
-        for (int k = from; k < to; k++) some |= !(bodies->path[k] <= 0.5 * contacts->skin);
-        for (int k = from; some && k < to; k++) {
-            if (bodies->path[k] <= 0.5 * contacts->skin) continue;
-            if (count == SCREE_ASKING || bodies->slab[k] < 0) return 0;
-            asking[count++] = k;
+    double margin = 0.5 * contacts->skin;
+    askers->count = 0;
+    for (int end; from < to; from = end) {
+        int some = 0;
+        end = to - from < BLOCK ? to : from + BLOCK;
+        for (int k = from; k < end; k++) some |= !(bodies->path[k] <= margin);
+        for (int k = from; some && k < end; k++) {
+            if (bodies->path[k] <= margin) continue;
+            if (askers->count == SCREE_ASKING || bodies->slab[k] < 0) {
+                askers->count = SCREE_ASKING + 1;
+                return;
+            }
+            askers->place[askers->count++] = k;
         }
+    }
+}
+
+int scree_contacts_asking(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                          int asking[SCREE_ASKING]) {
+    struct askers askers[SCREE_PARTS];
+    long all = bodies->count;
+    int count = 0;
+    (void)threads; /* without OpenMP */
+    if (contacts->broken || scree_flights_over(contacts) || contacts->answers == contacts->enough) return 0;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int part = 0; part < SCREE_PARTS; part++)
+        find_askers(contacts, bodies, (int)(all * part / SCREE_PARTS), (int)(all * (part + 1) / SCREE_PARTS),
+                    &askers[part]);
+    for (int part = 0; part < SCREE_PARTS; part++) {
+        if (count + askers[part].count > SCREE_ASKING) return 0;
+        memcpy(asking + count, askers[part].place, (size_t)askers[part].count * sizeof *asking);
+        count += askers[part].count;
     }
     return contacts->answers + count <= contacts->enough ? count : 0;
 }

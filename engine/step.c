@@ -31,12 +31,21 @@ static int threads_of(const scree_scene *scene) { return scene->time.threads > 0
 
 /* ---- what stops a run ---- */
 
-/* Before lists help a body that moved. */
-static scree_status check_numbers(scree_scene *scene, int k) {
-    const struct scree_bodies *bodies = &scene->bodies;
+static int has_numbers(const struct scree_bodies *bodies, int k) {
     const struct scree_record *record = &bodies->record[k];
-    if (scree_is_finite(record->x) && scree_is_finite(record->v) && scree_is_finite(bodies->spin[k].w)) return SCREE_OK;
-    return stop(scene, bodies->number[k], -1,
+    return scree_is_finite(record->x) && scree_is_finite(record->v) && scree_is_finite(bodies->spin[k].w);
+}
+
+/* Before lists help bodies that moved: those at `place`, or all of them (NULL). */
+static scree_status check_numbers(scree_scene *scene, const int *place, int count) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    int threads = threads_of(scene), first = count;
+    (void)threads; /* without OpenMP */
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(min : first) if (threads > 1 && !place)
+    for (int k = 0; k < count; k++)
+        if (k < first && !has_numbers(bodies, place ? place[k] : k)) first = k;
+    if (first == count) return SCREE_OK;
+    return stop(scene, bodies->number[place ? place[first] : first], -1,
                 "its position or velocity is no longer a finite number; the step is too large or a contact too stiff");
 }
 
@@ -62,29 +71,47 @@ static double speed_of(const struct scree_bodies *bodies, const struct scree_bod
     return vec_norm(vec_from(now->record[k].v)) + around;
 }
 
-/* Whether there is such a body. */
-static int may_any_exceed(const struct scree_bodies *bodies, const struct scree_bodies *now, double step, double way,
-                          int threads) {
-    int any = 0;
+/* The longest way of a body in one step, in parts of what the list looks ahead, and which body that is. */
+struct haste {
+    double most;
+    int body;
+};
+
+/* Of the bodies from place `from` to `to` - 1 and one before them. */
+static struct haste hastiest(const scree_scene *scene, const struct scree_bodies *now, int from, int to,
+                             struct haste before) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    double step = scene->step, seen = scene->contacts.chosen_skin, way = before.most * seen;
+    for (int k = from; k < to; k++) {
+        if (!may_exceed(bodies, now, k, step, way)) continue;
+        double hasty = speed_of(bodies, now, k) * step / seen;
+        if (hasty > before.most) before = (struct haste){hasty, bodies->number[k]};
+    }
+    return before;
+}
+
+/* Of all bodies: in parts, by threads. Of two that go as far it is the first one, as without. */
+static struct haste hastiest_of_many(const scree_scene *scene, const struct scree_bodies *now, struct haste before) {
+    struct haste found[SCREE_PARTS];
+    long count = scene->bodies.count;
+    int threads = threads_of(scene);
     (void)threads; /* without OpenMP */
-#pragma omp parallel for schedule(static) num_threads(threads) reduction(| : any) if (threads > 1)
-    for (int k = 0; k < bodies->count; k++) any |= may_exceed(bodies, now, k, step, way);
-    return any;
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int part = 0; part < SCREE_PARTS; part++)
+        found[part] =
+            hastiest(scene, now, (int)(count * part / SCREE_PARTS), (int)(count * (part + 1) / SCREE_PARTS), before);
+    for (int part = 0; part < SCREE_PARTS; part++)
+        if (found[part].most > before.most) before = found[part];
+    return before;
 }
 
 /* A body that crosses in one step, at its speed of `now`, what a new list keeps watch over. */
 static scree_status check_haste(scree_scene *scene, const struct scree_bodies *now) {
-    const struct scree_bodies *bodies = &scene->bodies;
-    double step = scene->step, seen = scene->contacts.chosen_skin, most = scene->hasty * seen;
-    int many = bodies->count > FEW && !(scene->hasty > 1.0);
-    if (many && !may_any_exceed(bodies, now, step, most, threads_of(scene))) return SCREE_OK;
-    for (int k = 0; k < bodies->count; k++) {
-        if (!may_exceed(bodies, now, k, step, most)) continue;
-        double hasty = speed_of(bodies, now, k) * step / seen;
-        if (!(hasty > scene->hasty)) continue;
-        scene->hasty = hasty;
-        scene->hastiest = bodies->number[k];
-    }
+    struct haste most = {scene->hasty, scene->hastiest};
+    int count = scene->bodies.count;
+    most = count > FEW ? hastiest_of_many(scene, now, most) : hastiest(scene, now, 0, count, most);
+    scene->hasty = most.most;
+    scene->hastiest = most.body;
     if (!(scene->hasty > 1.0)) return SCREE_OK;
     char cause[200];
     snprintf(cause, sizeof cause,
@@ -96,12 +123,10 @@ static scree_status check_haste(scree_scene *scene, const struct scree_bodies *n
 
 /* For bodies that have outgrown their margins: for a few of them alone, or for all bodies. */
 static scree_status renew_list(scree_scene *scene) {
-    int asking[SCREE_ASKING], count = scree_contacts_asking(&scene->contacts, &scene->bodies, asking);
-    int looks = count ? count : scene->bodies.count;
-    for (int k = 0; k < looks; k++) {
-        scree_status status = check_numbers(scene, count ? asking[k] : k);
-        if (status) return status;
-    }
+    int asking[SCREE_ASKING];
+    int count = scree_contacts_asking(&scene->contacts, &scene->bodies, threads_of(scene), asking);
+    scree_status status = check_numbers(scene, count ? asking : NULL, count ? count : scene->bodies.count);
+    if (status) return status;
     if (count)
         return scree_contacts_answer(&scene->contacts, &scene->bodies, asking, count, threads_of(scene),
                                      &scene->trouble);
