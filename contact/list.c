@@ -604,9 +604,10 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
     if (contacts->broken || over) return scree_contacts_list(contacts, bodies, threads, trouble);
     begin_margins(contacts, bodies);
     int exhausted = 0;
-#pragma omp parallel for schedule(static) num_threads(threads) reduction(| : exhausted) if (threads > 1)
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int k = 0; k < bodies->count; k++)
-        exhausted |= bodies->class[k] != SCREE_CLASS_FIXED && !scree_grant_anew(contacts, bodies, k);
+        if (bodies->class[k] != SCREE_CLASS_FIXED && !scree_grant_anew(contacts, bodies, k))
+            __atomic_store_n(&exhausted, 1, __ATOMIC_RELAXED);
     if (exhausted) return scree_contacts_list(contacts, bodies, threads, trouble);
     contacts->renewals++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);

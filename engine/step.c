@@ -39,12 +39,13 @@ static int has_numbers(const struct scree_bodies *bodies, int k) {
 /* Before lists help bodies that moved: those at `place`, or all of them (NULL). */
 static scree_status check_numbers(scree_scene *scene, const int *place, int count) {
     const struct scree_bodies *bodies = &scene->bodies;
-    int threads = threads_of(scene), first = count;
+    int threads = threads_of(scene), lost = 0, first = 0;
     (void)threads; /* without OpenMP */
-#pragma omp parallel for schedule(static) num_threads(threads) reduction(min : first) if (threads > 1 && !place)
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && !place)
     for (int k = 0; k < count; k++)
-        if (k < first && !has_numbers(bodies, place ? place[k] : k)) first = k;
-    if (first == count) return SCREE_OK;
+        if (!has_numbers(bodies, place ? place[k] : k)) __atomic_store_n(&lost, 1, __ATOMIC_RELAXED);
+    if (!lost) return SCREE_OK;
+    while (has_numbers(bodies, place ? place[first] : first)) first++;
     return stop(scene, bodies->number[place ? place[first] : first], -1,
                 "its position or velocity is no longer a finite number; the step is too large or a contact too stiff");
 }
