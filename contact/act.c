@@ -180,32 +180,67 @@ static int is_ready(const atomic_char *state, int slab, int slabs) {
 /* Slabs in work. */
 struct shares {
     const struct slabs *all;
-    int slabs, stretches;
-    int by; /* slabs are looked over in steps of so many */
+    int slabs, team;
+    double work[SCREE_SLABS + 1]; /* of the slabs before each */
     atomic_char state[SCREE_SLABS];
 };
 
-/* Take the next slab that is ready, from slab `own` on and around. Returns -1 if there is none; `left`: there will
- * be. */
-static int take_slab(struct shares *shares, int own, int *left) {
-    int around = shares->stretches * SCREE_STRETCH;
+/* Slabs of one thread: from … to - 1. */
+struct share {
+    int from, to;
+};
+
+/* A body costs about as much as half a contact, and has two. */
+static void weigh(struct shares *shares) {
+    const struct scree_contacts *contacts = shares->all->contacts;
+    const int *start = shares->all->bodies->order.start;
+    for (int slab = 0; slab < shares->slabs; slab++) {
+        double work = 0.5 * (start[slab + 1] - start[slab]);
+        for (int k = 0; k < contacts->busy_batches; k++)
+            work += contacts->batch[contacts->busy[k]].segment[1 + slab].count;
+        shares->work[slab + 1] = shares->work[slab] + work;
+    }
+}
+
+/* Where the slabs of a thread begin: as much work lies before them as falls to the threads before. */
+static int begin_of(const struct shares *shares, int thread) {
+    const double *work = shares->work;
+    double before = work[shares->slabs] * thread / shares->team;
+    int slab = 0;
+    while (slab < shares->slabs && work[slab] + work[slab + 1] < 2.0 * before) slab++;
+    return slab;
+}
+
+/* Take a slab if it is ready; `left`: it is not, but there it is. */
+static int take(struct shares *shares, int slab, int *left) {
+    char unclaimed = FREE;
+    if (atomic_load(&shares->state[slab]) != FREE) return 0;
+    *left = 1;
+    return is_ready(shares->state, slab, shares->slabs) &&
+           atomic_compare_exchange_strong(&shares->state[slab], &unclaimed, TAKEN);
+}
+
+/* Take the next slab, of others' shares if the own one is through: one near by, so that the same ones change hands in
+ * every step. Of several threads' slabs the first ones of all stretches come first, then the second ones: what others
+ * wait for is never left to the end. Returns -1 if none is ready; `left`: there will be one. */
+static int take_slab(struct shares *shares, struct share own, int *left) {
+    int by = shares->team > 1 ? SCREE_STRETCH : 1;
     *left = 0;
-    for (int first = 0; first < shares->by; first++)
-        for (int turn = first; turn < around; turn += shares->by) {
-            int slab = (own + turn) % around;
-            char unclaimed = FREE;
-            if (slab >= shares->slabs || atomic_load(&shares->state[slab]) != FREE) continue;
-            *left = 1;
-            if (is_ready(shares->state, slab, shares->slabs) &&
-                atomic_compare_exchange_strong(&shares->state[slab], &unclaimed, TAKEN))
-                return slab;
+    for (int place = 0; place < by; place++)
+        for (int slab = own.from; slab < own.to; slab++)
+            if (slab % by == place && take(shares, slab, left)) return slab;
+    for (int place = 0; place < by; place++)
+        for (int off = 0; off < shares->slabs; off++) {
+            int before = own.from - 1 - off, behind = own.to + off;
+            if (before >= 0 && before % by == place && take(shares, before, left)) return before;
+            if (behind < shares->slabs && behind % by == place && take(shares, behind, left)) return behind;
         }
     return -1;
 }
 
-/* What one thread does: its own slabs first, which it had the step before, so that bodies stay with it; then what is
- * left of others'. So nobody waits for a slow neighbour. */
-static void share_slabs(struct shares *shares, int own) {
+/* What one thread does: its own slabs, which it had the step before, so that bodies stay with it; then what is left of
+ * others'. So nobody waits for a slow neighbour. */
+static void share_slabs(struct shares *shares, struct share own) {
     for (int left = 1; left;) {
         int slab = take_slab(shares, own, &left);
         if (slab >= 0) {
@@ -217,17 +252,16 @@ static void share_slabs(struct shares *shares, int own) {
     }
 }
 
-/* One thread goes along the stretches, several do the first slabs of all stretches first, then the second ones: what
- * others wait for is never left to the end. */
 static void act_slabs(const struct slabs *all, int threads) {
-    int slabs = all->bodies->order.slabs, stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
-    int team = stretches > 1 ? threads : 1;
-    struct shares shares = {all, slabs, stretches, team > 1 ? SCREE_STRETCH : 1, {FREE}};
+    int slabs = all->bodies->order.slabs, team = slabs > SCREE_STRETCH ? threads : 1;
+    struct shares shares = {all, slabs, team, {0.0}, {FREE}};
     if (team > 1) {
+        weigh(&shares);
 #pragma omp parallel for schedule(static) num_threads(team)
-        for (int thread = 0; thread < team; thread++) share_slabs(&shares, thread * stretches / team * SCREE_STRETCH);
+        for (int thread = 0; thread < team; thread++)
+            share_slabs(&shares, (struct share){begin_of(&shares, thread), begin_of(&shares, thread + 1)});
     } else {
-        share_slabs(&shares, 0);
+        share_slabs(&shares, (struct share){0, slabs});
     }
     add_tallies(all->contacts, all->bodies);
 }
