@@ -9,9 +9,9 @@
 enum { FEW = 16, PER_SLAB = 128 }; /* below so many members bodies aren't sorted; members of a slab at least */
 
 /* Slabs are some layers thick, so that few partners lie in the next one: the others lie in the next row, and are at
- * hand still when their turn comes. But so many slabs at least, for threads to share, if they can be had; and of more,
- * a multiple that most numbers of threads divide (act.c). */
-enum { LAYERS = 3, LEAST_SLABS = 16, SHARES = 12 };
+ * hand still when their turn comes. But so many slabs at least, for threads to share, if they can be had. */
+enum { LEAST_SLABS = 12 };
+static const double layers_of_slab = 3.5;
 
 static const double largest = 4.0; /* balls larger than this many mean radii are no members */
 
@@ -63,10 +63,9 @@ static struct scree_order frame(const struct scree_bodies *bodies, double mean, 
     order.axis[1] = longest == 0 ? 1 : 0; /* rows stand upright where they can */
     order.axis[2] = longest == 2 ? 1 : 2;
     double reach = 2.0 * radius + range, layers = extent[longest] / reach;
-    double slabs = fmin(floor(layers / 1.5), fmax(floor(layers / LAYERS), LEAST_SLABS));
+    double slabs = fmin(floor(layers / 1.5), fmax(floor(layers / layers_of_slab), LEAST_SLABS));
     order.slabs = (int)fmin(fmin(slabs, count / PER_SLAB), SCREE_SLABS);
     if (order.slabs < 2) order.slabs = 1;
-    if (order.slabs > LEAST_SLABS) order.slabs -= order.slabs % SHARES;
     order.width[0] = extent[longest] / order.slabs;
     order.width[1] = order.width[2] = 2.0 * mean;
     return order;
