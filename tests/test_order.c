@@ -244,7 +244,7 @@ static void test_strays(void) {
                        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
                        "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
                        "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.011\n"
-                       "jitter = 4e-4\nmin = [0, 0, 0]\nmax = [0.165, 0.165, 1]\ncount = 5000\nmaterial = \"ball\"\n"
+                       "jitter = 4e-4\nmin = [0, 0, 0]\nmax = [0.165, 0.165, 1]\ncount = 4275\nmaterial = \"ball\"\n"
                        "seed = 3\n";
     scree_scene *scene = scene_from(text, NULL, 0, 1);
     struct scree_contacts *contacts = &scene->contacts;
