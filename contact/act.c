@@ -4,7 +4,7 @@
  * Then slabs, whose contacts add straight to their bodies. A slab's contacts reach into the next slab. Slabs go in
  * stretches, one after the other, but the last of a stretch waits for the first of the next; so stretches don't depend
  * on each other, no two slabs at work at the same time have a body in common, and every sum has one order, for any
- * number of threads.
+ * number of threads. Threads take slabs as soon as those that these wait for are through.
  *
  * A body is finished when the slab that it belongs to and the one before are. Most are so as soon as the contacts of
  * their own slab have passed them by: they move on right behind the contacts, while they are at hand. Those of a
