@@ -70,15 +70,6 @@ static void act_block(const struct scree_contacts *contacts, const struct scree_
     loop->act(contacts, bodies, batch, first, count, step, &batch->yield[block]);
 }
 
-/* Ask for the sums of a block's bodies: they lie wherever contacts of segment 0 happen to be. */
-static SCREE_INLINE void call_sums(const struct scree_bodies *bodies, const struct scree_batch *batch, int block) {
-    const struct scree_ends *ends = batch->ends + batch->segment[0].first + block * SCREE_LANES;
-    for (int k = 0; k < scree_contacts_in_block(batch, block); k++) {
-        __builtin_prefetch(bodies->record[ends[k].ball].f, 1);
-        __builtin_prefetch(bodies->record[ends[k].host].f, 1);
-    }
-}
-
 /* Blocks are independent of each other; a team of threads pays from some dozens of them on. */
 static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
                       double step, int threads) {
@@ -91,10 +82,8 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
         for (int block = 0; block < blocks; block++)
             if (scree_rest_works(contacts, batch, block)) act_block(contacts, bodies, batch, block, step);
     }
-    for (int block = 0; block < blocks; block++) {
-        if (block + 1 < blocks) call_sums(bodies, batch, block + 1);
+    for (int block = 0; block < blocks; block++)
         if (scree_rest_works(contacts, batch, block)) collect(contacts, bodies, batch, block);
-    }
     if (contacts->rest.asleep > 0) scree_rest_give_back(batch);
 }
 

@@ -411,9 +411,9 @@ static int search(struct scree_contacts *contacts, const struct scree_bodies *bo
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
         struct seeker seeker = {contacts, bodies, grids, found, found_in(contacts, part), -1, {0}, 0, 0, {0}};
-        long from = (long)bodies->count * part / SCREE_PARTS, to = (long)bodies->count * (part + 1) / SCREE_PARTS;
+        int from = scree_part_begin(bodies, part), to = scree_part_begin(bodies, part + 1);
         found->count = found->partners = 0;
-        for (int k = (int)from; k < to; k++)
+        for (int k = from; k < to; k++)
             if (is_bounded(bodies, k)) look(&seeker, k);
     }
     for (int part = 0; part < SCREE_PARTS; part++) lack |= contacts->found[part].count > contacts->found[part].capacity;

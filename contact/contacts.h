@@ -260,9 +260,16 @@ static inline void scree_tally_losses(struct scree_tally *tally, const struct sc
     }
 }
 
-/* All bodies are looked over in so many parts, by as many threads; the order of what they find doesn't depend on these.
- * Of partners, what is found is numbers: ~k, then all that body k has found. */
+/* All bodies are looked over in so many parts, by as many threads; the order of what they find doesn't depend on
+ * these. */
 enum { SCREE_PARTS = 32 };
+
+/* Where the bodies of a part begin. */
+static inline int scree_part_begin(const struct scree_bodies *bodies, int part) {
+    return (int)((long)bodies->count * part / SCREE_PARTS);
+}
+
+/* Partners that a part has found, as numbers: ~k, then all that body k has found. */
 struct scree_found {
     size_t first;        /* its share of the memory */
     int count, capacity; /* numbers */

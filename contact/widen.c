@@ -33,13 +33,12 @@ static void find_askers(const struct scree_contacts *contacts, const struct scre
 int scree_contacts_asking(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                           int asking[SCREE_ASKING]) {
     struct askers askers[SCREE_PARTS];
-    long all = bodies->count;
     int count = 0;
     (void)threads; /* without OpenMP */
     if (contacts->broken || scree_flights_over(contacts) || contacts->answers == contacts->enough) return 0;
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++)
-        find_askers(contacts, bodies, (int)(all * part / SCREE_PARTS), (int)(all * (part + 1) / SCREE_PARTS),
+        find_askers(contacts, bodies, scree_part_begin(bodies, part), scree_part_begin(bodies, part + 1),
                     &askers[part]);
     for (int part = 0; part < SCREE_PARTS; part++) {
         if (count + askers[part].count > SCREE_ASKING) return 0;

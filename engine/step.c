@@ -93,14 +93,13 @@ static struct haste hastiest(const scree_scene *scene, const struct scree_bodies
 
 /* Of all bodies: in parts, by threads. Of two that go as far it is the first one, as without. */
 static struct haste hastiest_of_many(const scree_scene *scene, const struct scree_bodies *now, struct haste before) {
+    const struct scree_bodies *bodies = &scene->bodies;
     struct haste found[SCREE_PARTS];
-    long count = scene->bodies.count;
     int threads = threads_of(scene);
     (void)threads; /* without OpenMP */
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++)
-        found[part] =
-            hastiest(scene, now, (int)(count * part / SCREE_PARTS), (int)(count * (part + 1) / SCREE_PARTS), before);
+        found[part] = hastiest(scene, now, scree_part_begin(bodies, part), scree_part_begin(bodies, part + 1), before);
     for (int part = 0; part < SCREE_PARTS; part++)
         if (found[part].most > before.most) before = found[part];
     return before;
