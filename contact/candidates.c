@@ -2,7 +2,7 @@
  * of cells, one grid for each power of two of their size, so that a body of any size meets a few cells of its own grid
  * and of each coarser one (Hierarchical grids: Ericson, Real-Time Collision Detection, 2005, section 7.2). Planes,
  * which have no bounds, meet everything. */
-#include "contact/contacts.h"
+#include "contact/approach.h"
 #include "contact/geometry.h"
 
 #include <limits.h>
@@ -93,8 +93,15 @@ static void choose_levels(const struct scree_contacts *contacts, const struct sc
     }
 }
 
-/* Number of the cell along one axis; what is beyond exact whole numbers shares the outermost one. */
-static double cell_of(double x, double size) { return fmax(fmin(floor(x / size), 1e15), -1e15); }
+/* The whole number below; what is beyond exact ones comes to the outermost of them. A dozen times per body: so no
+ * function of the library. */
+static inline double whole_below(double x) {
+    double inner = x < 1e15 ? x : 1e15, within = inner > -1e15 ? inner : -1e15, whole = (double)(int64_t)within;
+    return whole > within ? whole - 1.0 : whole;
+}
+
+/* Number of the cell along one axis. */
+static inline double cell_of(double x, double size) { return whole_below(x / size); }
 
 /* A coordinate as the cells have it: inside of the periodic box. */
 static double in_box(const struct scree_bodies *bodies, double x, int axis) {
@@ -122,8 +129,9 @@ static void find_parts(const double at[3], double size, uint16_t parts[3]) {
 
 /* And a range, rounded up: by one part more, so that the rounding of places, less than a part along each axis, is
  * covered by two of them. From ROUND - 1 on it is all there is. */
-static double parts_of(double range, double size) {
-    return fmax(fmin(ceil(range / size * PARTS) + 1.0, ROUND - 1.0), 0.0);
+static inline double parts_of(double range, double size) {
+    double parts = 1.0 - whole_below(-range / size * PARTS);
+    return parts < 0.0 ? 0.0 : parts < ROUND - 1.0 ? parts : ROUND - 1.0;
 }
 
 /* Where body k is in the periodic box, and its cell there. */
@@ -167,31 +175,33 @@ static void fill_cells(const struct scree_contacts *contacts, const struct scree
     }
 }
 
-static int bounds_meet(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i, int j) {
-    double left = scree_left_of(contacts, bodies, i, j);
+/* Whether a body may come to a plane. */
+static int meets_plane(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int plane, int k) {
+    double left = scree_left_of(contacts, bodies, plane, k) + vec_norm(scree_flown(contacts, bodies, plane, k));
+    const struct scree_record *a = &bodies->record[plane], *b = &bodies->record[k];
+    const struct mat *frame = &scree_attitude_of(bodies, plane)->frame;
+    return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left;
+}
+
+/* The bounds of two bodies. In a periodic box the image that comes nearest may be another one than that which is
+ * nearest now: there flights count as going straight at each other. */
+static SCREE_INLINE void put_bounds(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int i,
+                                    int j, int k, struct scree_approaches *to) {
     const struct scree_record *a = &bodies->record[i], *b = &bodies->record[j];
-    if (!is_bounded(bodies, i)) {
-        const struct mat *frame = &scree_attitude_of(bodies, i)->frame;
-        left += vec_norm(scree_flown(contacts, bodies, i, j));
-        return -scree_meet_plane(vec_from(b->x), b->bound, vec_from(a->x), frame).overlap <= left;
-    }
-    double reach = a->bound + b->bound + left;
-    double apart[3];
-    for (int axis = 0; axis < 3; axis++) {
-        apart[axis] = a->x[axis] - b->x[axis];
-        apart[axis] -= bodies->period[axis] * scree_periods_in(bodies, apart[axis], axis);
-    }
-    double most = reach + 2.0 * contacts->flights.sweep, square = vec_norm2(vec_from(apart));
-    if (!bodies->flight || square > most * most) return square <= most * most;
     struct vec flown = scree_flown(contacts, bodies, i, j);
-    if (!bodies->periodic) return scree_nearest2(vec_from(apart), flown) <= reach * reach;
-    most = reach + vec_norm(flown); /* the image that comes nearest may be another one than that which is nearest now */
-    return square <= most * most;
+    double reach = a->bound + b->bound + scree_left_of(contacts, bodies, i, j), apart[3];
+    for (int axis = 0; axis < 3; axis++) apart[axis] = a->x[axis] - b->x[axis];
+    if (bodies->periodic) {
+        for (int axis = 0; axis < 3; axis++)
+            apart[axis] -= bodies->period[axis] * scree_periods_in(bodies, apart[axis], axis);
+        reach += vec_norm(flown);
+        flown = vec(0.0, 0.0, 0.0);
+    }
+    scree_put_approach(to, k, vec_from(apart), flown, reach);
 }
 
 /* What looks for partners, and where it puts what it finds; bodies in the cells of the one that looks are weighed many
  * at once. */
-enum { SEEN = 64 };
 struct seeker {
     const struct scree_contacts *contacts;
     const struct scree_bodies *bodies;
@@ -201,7 +211,7 @@ struct seeker {
     int last;       /* for whom something was found last */
     uint16_t at[3]; /* where the one that looks stands for the cells that it looks into, */
     int range;      /* and how far it looks, in their parts */
-    int count, seen[SEEN];
+    int count, seen[SCREE_LANES];
 };
 
 static void put_number(struct seeker *s, int number) {
@@ -218,12 +228,15 @@ static void add_partner(struct seeker *s, int k, int partner) {
     s->found->partners++;
 }
 
-/* Which of those that body k has seen it may meet is a matter of chance: so nothing branches on it. */
+/* Which of those that body k has seen it may meet. */
 static void weigh(struct seeker *s, int k) {
-    int near[SEEN], count = 0;
+    struct scree_approaches pairs;
+    int near[SCREE_LANES], count = 0;
+    for (int n = 0; n < s->count; n++) put_bounds(s->contacts, s->bodies, k, s->seen[n], n, &pairs);
+    scree_judge_approaches(&pairs, s->count);
     for (int n = 0; n < s->count; n++) {
         near[count] = s->seen[n];
-        count += bounds_meet(s->contacts, s->bodies, k, s->seen[n]);
+        count += pairs.near[n] > 0.0;
     }
     for (int n = 0; n < count; n++) add_partner(s, k, near[n]);
     s->count = 0;
@@ -254,7 +267,7 @@ static void look_into(struct seeker *s, int k, uint32_t column, double z, double
         for (int n = grids->start[place]; n < grids->start[place + run]; n++) {
             const struct occupant *other = &grids->occupant[n];
             int own = (other->body == k) | (after & (other->body < k));
-            if (s->count == SEEN) weigh(s, k);
+            if (s->count == SCREE_LANES) weigh(s, k);
             s->seen[s->count] = other->body;
             s->count += (other->column == column) & !own & may_meet(s, other);
         }
@@ -324,7 +337,7 @@ static void look(struct seeker *s, int k) {
     double reach = reach_of(contacts, &s->bodies->record[k]), more = -s->bodies->path[k];
     int own = grids->level[k];
     for (int p = 0; p < contacts->planes; p++)
-        if (bounds_meet(contacts, s->bodies, contacts->plane[p], k)) add_partner(s, k, contacts->plane[p]);
+        if (meets_plane(contacts, s->bodies, contacts->plane[p], k)) add_partner(s, k, contacts->plane[p]);
     look_beside(s, k);
     for (int level = own + !s->bodies->periodic; level <= grids->highest; level++)
         if (grids->used[level]) look_around(s, k, level, reach, level == own);

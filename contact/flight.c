@@ -52,7 +52,7 @@ static struct vec course_of(const struct scree_bodies *bodies, int k, struct vec
 static void set_out(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct swarm *swarm,
                     double wander) {
     struct vec mean = swarm->velocity;
-    double sweep = fmin(0.5 * contacts->skin, contacts->most_margin), most = 2.0 * swarm->apart;
+    double sweep = fmin(0.75 * contacts->skin, contacts->most_margin), most = 2.0 * swarm->apart;
     if (any_grounded(bodies)) most = fmax(most, vec_norm(mean));
     double last = fmin(sweep / most, MOST_STEPS * contacts->step);
     contacts->flights = (struct scree_flights){.sweep = most * last * (1.0 + 1e-6), /* flights are rounded */

@@ -20,12 +20,12 @@ static double mean_way(const struct scree_contacts *contacts, const struct scree
     return way * contacts->step / some;
 }
 
-/* Steps that a body's margin is to last at its speed. A margin m lets some 9 m/R contacts more per body into the near
- * list, each of which costs every step; a new list costs as much as five contacts: so the sum is least at sqrt(R/(2 w))
- * steps, where w is the mean way of a body in one step, and R, about 2.5 skins, its radius. */
+/* Steps that a body's margin is to last at its speed. The wider it is, the more contacts it lets into the near list,
+ * each of which costs every step, and the fewer lists are made: so the sum is least at some sqrt(skin/w) steps, where w
+ * is the mean way of a body in one step. How many, has been measured on a dense flow (bench/peers/chute.toml). */
 static double steps_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double way = mean_way(contacts, bodies);
-    return fmax(fmin(sqrt(1.25 * contacts->skin / way), 400.0), 20.0);
+    return fmax(fmin(sqrt(0.4 * contacts->skin / way), 400.0), 20.0);
 }
 
 /* The corner of a box may touch another one sooner than its gap tells since they are deeper in each other than their
@@ -133,12 +133,15 @@ static int take_balls(struct scree_contacts *contacts, const struct scree_bodies
     struct scree_batch *batch = scree_batch_for(contacts, rule, geometry_on(scree_kind_of(bodies, host)->shape.kind));
     int box = scree_kind_of(bodies, ball)->shape.kind == SCREE_BOX;
     int first = box ? 1 + 8 * scree_kind_of(bodies, ball)->slot : 0;
+    if (batch->geometry == SCREE_BALL_BALL && !box) { /* their balls are their bounds */
+        take(contacts, bodies, batch, &(struct scree_contact){ball, host, 0}, pass);
+        return 1;
+    }
     double left = scree_left_of(contacts, bodies, ball, host) + vec_norm(scree_flown(contacts, bodies, ball, host));
     int taken = 0;
     for (int corner = first; corner < first + (box ? 8 : 1); corner++) {
         struct scree_contact contact = {ball, host, corner};
-        int near = batch->geometry == SCREE_BALL_BALL && !box; /* their balls are their bounds */
-        if (!near && !(scree_gap(bodies, &contact, left, overlap) <= left)) continue;
+        if (!(scree_gap(bodies, &contact, left, overlap) <= left)) continue;
         take(contacts, bodies, batch, &contact, pass);
         taken++;
     }
@@ -415,7 +418,7 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
 /* Before all bodies get new margins: how long these are to last. Where bodies fly, near lists look ahead over as many
  * steps. A list costs as much as some hundred answers to single bodies (widen.c), each of which looks through two
  * slabs; by the time so many have asked, the others' margins have served. */
-enum { ANSWERS_PER_SLAB = 6 };
+enum { ANSWERS_PER_SLAB = 10 };
 static void begin_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     struct scree_flights *flights = &contacts->flights;
     contacts->enough = contacts->answers + ANSWERS_PER_SLAB * bodies->order.slabs;

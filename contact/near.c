@@ -6,6 +6,7 @@
  * ask for a new list. The first bodies that ask are answered alone (widen.c); when these become many, all lists are
  * made anew, and all bodies get new margins. */
 #include "bodies/memory.h"
+#include "contact/approach.h"
 #include "contact/columns.h"
 #include "contact/meet.h"
 
@@ -63,15 +64,21 @@ static int is_near(const struct scree_contacts *contacts, const struct scree_bod
     return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
 }
 
-/* The same of two spheres, without a root. */
-static inline int are_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                           const struct scree_contact *contact, double left) {
+/* The same of two spheres. */
+static SCREE_INLINE void put_spheres(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                     const struct scree_contact *contact, int k, struct scree_approaches *to) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    double reach = ball->radius + host->radius + left;
-    struct vec apart = vec_sub(vec_from(ball->x), vec_from(host->x));
-    double square = vec_norm2(apart);
-    if (bodies->flight) square = scree_nearest2(apart, scree_flown(contacts, bodies, contact->ball, contact->host));
-    return !(square > reach * reach * (1.0 + 1e-12)); /* rounding can only add one to the list */
+    double left = scree_left_of(contacts, bodies, contact->ball, contact->host);
+    scree_put_approach(to, k, vec_sub(vec_from(ball->x), vec_from(host->x)),
+                       scree_flown(contacts, bodies, contact->ball, contact->host), ball->radius + host->radius + left);
+}
+
+static int are_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                    const struct scree_contact *contact) {
+    struct scree_approaches one;
+    put_spheres(contacts, bodies, contact, 0, &one);
+    scree_judge_approaches(&one, 1);
+    return one.near[0] > 0.0;
 }
 
 /* Whatever it is. */
@@ -79,14 +86,13 @@ static inline int is_any_near(const struct scree_contacts *contacts, const struc
                               const struct scree_batch *batch, const struct scree_contact *contact,
                               struct sight *sight) {
     double left = scree_left_of(contacts, bodies, contact->ball, contact->host);
-    if (batch->geometry == SCREE_BALL_BALL && contact->corner == 0) return are_near(contacts, bodies, contact, left);
+    if (batch->geometry == SCREE_BALL_BALL && contact->corner == 0) return are_near(contacts, bodies, contact);
     return is_near(contacts, bodies, batch, contact, left, sight);
 }
 
 int scree_contact_is_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                           const struct scree_batch *batch, const struct scree_contact *contact) {
-    struct sight sight;
-    sight.ball = sight.host = -1;
+    struct sight sight = {.ball = -1, .host = -1};
     return is_any_near(contacts, bodies, batch, contact, &sight);
 }
 
@@ -123,6 +129,13 @@ static void look_over(const struct scree_contacts *contacts, const struct scree_
     view->count = view->to_come;
     memcpy(view->contact, view->next, (size_t)view->count * sizeof *view->next);
     read_ahead(bodies, view);
+    if (batch->geometry == SCREE_BALL_BALL && !batch->corners) {
+        struct scree_approaches pairs;
+        for (int k = 0; k < view->count; k++) put_spheres(contacts, bodies, &view->contact[k], k, &pairs);
+        scree_judge_approaches(&pairs, view->count);
+        for (int k = 0; k < view->count; k++) view->near[k] = pairs.near[k] > 0.0;
+        return;
+    }
     for (int k = 0; k < view->count; k++)
         view->near[k] = (unsigned char)is_any_near(contacts, bodies, batch, &view->contact[k], sight);
 }

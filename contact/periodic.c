@@ -20,10 +20,26 @@ static scree_status room_for_returns(struct scree_contacts *contacts, int count,
     return SCREE_OK;
 }
 
+/* Whether a body is out by more than its own width: new lists cost so much that bodies return many at a time. */
+static int is_far_out(const struct scree_bodies *bodies, int k) {
+    int far = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double above = bodies->position[k][axis] - bodies->low[axis], width = 2.0 * bodies->record[k].bound;
+        far |= (above < -width || above > bodies->period[axis] + width) && periods_out(bodies, k, axis) != 0;
+    }
+    return far;
+}
+
+static int any_far_out(const struct scree_bodies *bodies) {
+    for (int k = 0; k < bodies->count; k++)
+        if (is_far_out(bodies, k)) return 1;
+    return 0;
+}
+
 static scree_status find_returns(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                  scree_trouble *trouble) {
     contacts->returns = 0;
-    for (int k = 0; k < bodies->count; k++) {
+    for (int k = any_far_out(bodies) ? 0 : bodies->count; k < bodies->count; k++) {
         struct scree_return out = {.body = k};
         int any = 0;
         for (int axis = 0; axis < 3; axis++) any |= out.periods[axis] = periods_out(bodies, k, axis);

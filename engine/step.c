@@ -142,7 +142,8 @@ static scree_status keep_lists(scree_scene *scene, const struct scree_bodies *no
 }
 
 /* Bodies that have left the periodic box return into it at certain steps, whatever lists are made when: so the state,
- * rounding included, depends on neither lists nor breaks. In between they may be outside. */
+ * rounding included, depends on neither lists nor breaks. In between they may be outside; by less than their width,
+ * they may be so for long. */
 enum { STEPS_TO_RETURN = 512 };
 
 static scree_status put_back(scree_scene *scene) {
@@ -170,15 +171,22 @@ scree_status scree_check_depth(struct scree_scene *scene, double time) {
     return scree_scene_stop(scene, time, contacts->deepest_ball, contacts->deepest_host, cause);
 }
 
-/* Work of the drives on their bodies during the step, and of gravity's tilting. */
+/* Whether members of slabs move on right behind their contacts. Not where gravity's work on them is booked as it tilts:
+ * that is done by where they are in the middle of the step. */
+static int moves_at_once(const scree_scene *scene) {
+    return scene->bodies.order.slabs > 0 && !(scene->time.energy && scene->gravity.tilts);
+}
+
+/* Work of the drives on their bodies during the step, and of gravity's tilting. Members of slabs have no drives. */
 static void book_drives(scree_scene *scene, double time) {
     const struct scree_bodies *bodies = &scene->bodies;
+    int count = moves_at_once(scene) ? bodies->order.members : bodies->count;
     double before[3], after[3];
     scree_gravity_at(scene, time, before);
     scree_gravity_at(scene, time + scene->step, after);
     for (int axis = 0; axis < 3 && scene->gravity.tilts; axis++)
         scene->driven -= scene->carried[axis] * (after[axis] - before[axis]);
-    for (int k = 0; k < bodies->count; k++) {
+    for (int k = 0; k < count; k++) {
         const struct scree_record *record = &bodies->record[k];
         const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
         for (int axis = 0; axis < 3; axis++) {
@@ -217,7 +225,7 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
     struct scree_bodies *bodies = &scene->bodies;
     double time = scree_scene_time(scene), step = scene->step;
     struct scree_departure go = {.step = step, .margin = 0.5 * scene->contacts.skin, .ahead = more};
-    int at_once = bodies->order.slabs > 0 && !scene->time.energy;
+    int at_once = moves_at_once(scene);
     memcpy(go.gravity, gravity, sizeof go.gravity);
     scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
     scene->too_far =
@@ -242,7 +250,7 @@ static scree_status step_by_impulses(scree_scene *scene, int more) {
     struct scree_departure go = {.step = step, .ahead = more, .now = now};
     int looks = scene->ahead ? bodies->order.members : bodies->count;
     int too_far = scene->waits || (scene->ahead && scene->too_far);
-    int at_once = bodies->order.slabs > 0 && !scene->time.energy;
+    int at_once = moves_at_once(scene);
     scree_gravity_at(scene, time + 0.5 * step, go.gravity);
     scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
     scene->ahead = 0;
