@@ -62,25 +62,27 @@ static scree_status make_grids(struct scree_contacts *contacts, size_t bodies, s
     if (status) return status;
     struct occupant *occupant = contacts->rough.memory;
     int *start = (int *)(occupant + bodies);
-    *grids = (struct grids){.finest = HUGE_VAL,
-                            .occupant = occupant,
+    *grids = (struct grids){.occupant = occupant,
                             .start = start,
                             .places = (uint32_t)places,
                             .level = (unsigned char *)(start + places + 2)};
     return SCREE_OK;
 }
 
-/* Put each body into the grid whose cells are just as large as its diameter. */
+/* Put each body into the grid whose cells are just as large as its diameter: the largest one's as large as that, others
+ * halved, so that bodies of one size, or nearly, aren't looked for in cells larger than they need. */
 static void choose_levels(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                           struct grids *grids) {
-    double coarsest = 0.0;
+    double finest = HUGE_VAL, coarsest = 0.0;
+    int halvings = 1;
     for (int k = 0; k < bodies->count; k++) {
         if (!is_bounded(bodies, k)) continue;
         double size = 2.0 * reach_of(contacts, &bodies->record[k]);
-        grids->finest = fmin(grids->finest, size);
-        coarsest = fmax(coarsest, size);
+        finest = size < finest ? size : finest;
+        coarsest = size > coarsest ? size : coarsest;
     }
-    grids->finest = fmax(grids->finest, ldexp(coarsest, 2 - LEVELS));
+    if (coarsest > 0.0) frexp(coarsest / finest, &halvings);
+    grids->finest = ldexp(coarsest, 1 - (halvings < LEVELS ? halvings : LEVELS - 1));
     for (int k = 0; k < bodies->count; k++) {
         if (!is_bounded(bodies, k)) continue;
         int level;
