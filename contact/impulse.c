@@ -436,6 +436,7 @@ static void roll_on(const struct scree_contacts *contacts, const struct scree_bo
     }
     put(place.moments->turn_ball, place.lane, zero);
     put(place.moments->turn_host, place.lane, zero);
+    if (!contacts->measured) yield->lost.tangential[place.lane] = 0.0; /* nobody looks, but it is a number */
     double impulse = vec_dot(taken(yield->impulse, place.lane), middle.normal);
     roll(contacts, bodies, place, middle, impulse, yield->lasts[place.lane] > 0.0, step);
 }
@@ -542,32 +543,20 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     place.yield->steep[place.lane] = steep;
 }
 
-/* Those that go several at once keep no books: where books are wanted, each is reckoned beside it, so that what is
- * measured changes no bit of the motion. */
 void scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                        const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
                        double step, struct scree_yield *yield, struct scree_moments *moments) {
     const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
-    struct scree_pair_yield books[SCREE_LANES];
     struct pair_of_boxes pair[2] = {{.ball = -1}, {.ball = -1}};
-    struct outcome o;
-    for (int lane = 0; contacts->measured && lane < count; lane++) {
-        struct place place = {batch, first + lane, lane, yield, moments, pair};
-        books[lane] = (struct scree_pair_yield){.lost = 0.0};
-        if (reckon(contacts, bodies, now, place, step, &o)) books[lane] = o.sum;
-    }
     yield->silent = 0;
     uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
-    int rolls = contacts->rule[batch->rule].rolling >= 0, all = contacts->measured || rolls;
-    for (int lane = 0; (all || left >> lane) && lane < count; lane++) {
+    int rolls = contacts->rule[batch->rule].rolling >= 0;
+    for (int lane = 0; (rolls || left >> lane) && lane < count; lane++) {
         struct place place = {batch, first + lane, lane, yield, moments, pair};
-        if (left >> lane & 1) {
+        if (left >> lane & 1)
             impel(contacts, bodies, now, place, step);
-            continue;
-        }
-        yield->lost.normal[lane] = contacts->measured ? books[lane].lost : 0.0;
-        yield->lost.tangential[lane] = contacts->measured ? books[lane].rubbed : 0.0;
-        if (rolls) roll_on(contacts, bodies, place, step);
+        else if (rolls)
+            roll_on(contacts, bodies, place, step);
     }
 }
 

@@ -54,6 +54,7 @@ struct course {
     double press[SCREE_LANES], press_moment[SCREE_LANES]; /* N s, N s^2, about the end of the step */
     double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES];
     double deep[3][SCREE_LANES]; /* integral of (d - start) F_t, N s m */
+    double rubbed[SCREE_LANES];  /* work against friction, J */
     double events[SCREE_LANES];  /* that it has gone past */
     double odd[SCREE_LANES];     /* 1: left to within.c */
 };
@@ -71,6 +72,7 @@ struct stride {
     double slides[SCREE_LANES];
     double press[SCREE_LANES], press_moment[SCREE_LANES];
     double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES], deep[3][SCREE_LANES];
+    double rubbed[SCREE_LANES];
     double coarse[SCREE_LANES]; /* 1: too long a step */
     /* The clock of a root, t = offset + span sigma^p: where it stands, and its step. */
     double offset[SCREE_LANES], span[SCREE_LANES], sigma[SCREE_LANES], size[SCREE_LANES];
@@ -282,6 +284,9 @@ static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_r
     finish_stage(laws, &lane, &first, &second, &third, &fourth, time, &end);
     put(to->rub, k, rub);
     put(to->rub_moment, k, vec_scale(share * time, vec_add(first.force, between)));
+    double outer_rubbing = vec_dot(first.force, first.slip) + vec_dot(fourth.force, fourth.slip);
+    double inner_rubbing = vec_dot(second.force, second.slip) + vec_dot(third.force, third.slip);
+    to->rubbed[k] = -share * (outer_rubbing + 2.0 * inner_rubbing);
     put(to->v, k, end.v);
     put(to->s, k, end.s);
     to->slides[k] = end.slides;
@@ -299,13 +304,14 @@ static SCREE_INLINE double whole_power(double x, int power) {
 
 /* What a contact has yielded since a time: impulses and their integrals, and where its slider is. */
 struct yields {
-    double press, press_moment;
+    double press, press_moment, rubbed;
     struct vec rub, rub_moment, deep, s;
 };
 
 static SCREE_INLINE struct yields add_yields(struct yields a, double share, const struct yields *rate) {
     a.press += share * rate->press;
     a.press_moment += share * rate->press_moment;
+    a.rubbed += share * rate->rubbed;
     a.rub = vec_axpy(a.rub, share, rate->rub);
     a.rub_moment = vec_axpy(a.rub_moment, share, rate->rub_moment);
     a.deep = vec_axpy(a.deep, share, rate->deep);
@@ -335,6 +341,7 @@ static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const stru
     else
         hold_stage(laws, lane, at);
     rate.rub = at->force;
+    rate.rubbed = -vec_dot(at->force, at->slip);
     rate.deep = vec_scale(deep, at->force);
     rate.s = at->slip;
     return rate;
@@ -350,6 +357,7 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
     struct stage at = {.slides = laws.hold ? c->slides[k] : 0.0}, first = at;
     struct yields start = {.press = to->press[k], .press_moment = to->press_moment[k]}, rate = {.press = 0.0};
     if (laws.hold) {
+        start.rubbed = to->rubbed[k];
         start.rub = get(to->rub, k);
         start.rub_moment = get(to->rub_moment, k);
         start.deep = get(to->deep, k);
@@ -381,6 +389,7 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
     put(to->rub, k, end.rub);
     put(to->rub_moment, k, end.rub_moment);
     put(to->deep, k, end.deep);
+    to->rubbed[k] = end.rubbed;
     to->slides[k] = at.slides;
     to->holds[1][k] = holds_at(laws, &lane, m, k, step, &at);
 }

@@ -37,6 +37,7 @@ struct smooth_pass {
     int substeps; /* as asked for; 0: as many as needed */
     int cut, turns, root, rubs;
     int damped; /* friction's slider is behind a spring and a dashpot, not behind a bare spring */
+    int books;  /* energy is looked at */
 };
 
 /* Copies lanes of columns. */
@@ -86,8 +87,8 @@ static SCREE_INLINE void begin_lane(int k, double step, double flight, int rubs,
     start = touches > 0.0 ? 0.0 : start;
     c->odd[k] = odd;
     c->rest[k] = acts > 0.0 ? step - start : 0.0;
-    c->d[k] = begins > 0.0 ? 0.0 : d;
-    c->u[k] = begins > 0.0 ? u + start * a : u;
+    c->d[k] = begins > 0.0 ? 0.0 : flies > 0.0 ? flight : d;
+    c->u[k] = begins > 0.0 ? u + start * a : flies > 0.0 ? u + step * a : u;
     if (!rubs) return;
     double holds = touches - flies;
     struct vec none = {0.0, 0.0, 0.0}, v = get(c->v, k), flown = vec_axpy(v, start, get(m->aside, k));
@@ -188,6 +189,7 @@ static SCREE_INLINE void accept_lane(int rubs, int takes, int anew, int k, struc
     accept_axis(0, takes, anew, k, left, to, c);
     accept_axis(1, takes, anew, k, left, to, c);
     accept_axis(2, takes, anew, k, left, to, c);
+    c->rubbed[k] = (anew ? 0.0 : c->rubbed[k]) + (takes ? to->rubbed[k] : 0.0);
     c->slides[k] = takes ? to->slides[k] : c->slides[k];
 }
 
@@ -336,10 +338,11 @@ static void fly_on(int k, int rubs, struct march *x) {
     struct course *c = &x->c;
     double d = c->d[k], u = c->u[k], a = x->m.closing[k], square = u * u - 2.0 * a * d;
     double back = square > 0.0 ? sqrt(square) : 0.0, flight = (back - u) / a;
-    int touches = a > 0.0 && u < 0.0 && back > 0.0 && flight < c->rest[k];
-    c->rest[k] = touches ? c->rest[k] - flight : 0.0;
-    c->d[k] = touches ? 0.0 : d;
-    c->u[k] = touches ? back : u;
+    double rest = c->rest[k];
+    int touches = a > 0.0 && u < 0.0 && back > 0.0 && flight < rest;
+    c->rest[k] = touches ? rest - flight : 0.0;
+    c->d[k] = touches ? 0.0 : d + rest * (u + 0.5 * rest * a);
+    c->u[k] = touches ? back : u + rest * a;
     if (!rubs) return;
     if (touches) put(c->v, k, vec_axpy(get(c->v, k), flight, get(x->m.aside, k)));
     put(c->s, k, vec(0.0, 0.0, 0.0));

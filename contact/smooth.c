@@ -116,7 +116,7 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
                                          int first, double step) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    struct smooth_pass pass = {.rule = rule, .step = step, .substeps = contacts->substeps};
+    struct smooth_pass pass = {.rule = rule, .step = step, .substeps = contacts->substeps, .books = contacts->measured};
     if (SMOOTH_NOT((*normal))) return pass;
     int rubs = pass.rubs = rule->friction >= 0, bare = rubs && is_bare(rule, batch, first);
     pass.loops = smooth_loops_of(rule, bare);
@@ -182,6 +182,27 @@ static void drive_smooth(struct smooth_block *s, int count, double step, int tur
         SMOOTH_LOOP(drive_lane(&s->b, k, step, 1, &s->at, &s->x.m);)
     else
         SMOOTH_LOOP(drive_lane(&s->b, k, step, 0, &s->at, &s->x.m);)
+}
+
+/* Energy in the normal direction that a contact gives back, J. */
+static double stored_at(const struct scree_rule *rule, const struct motion *m, int k, double overlap, double closing) {
+    struct scree_pair_constants pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
+    struct scree_pressing at = scree_pressed(overlap, closing, 0.0, 0.0);
+    return overlap > 0.0 ? scree_normal_laws[rule->normal]->stored(&rule->normal_constants, pair, at) : 0.0;
+}
+
+/* What contacts have lost: the work done against them, which the motion tells (d'' = a - N/m), less what they have
+ * stored by it. What is stored in an overlap whose force is over is lost by the time that it has gone. */
+static void book_losses(const struct smooth_pass *pass, struct smooth_block *s, int count, struct scree_yield *yield) {
+    const struct course *c = &s->x.c;
+    const struct motion *m = &s->x.m;
+    for (int k = 0; pass->books && k < count; k++) {
+        double d = s->b.overlap[k], u = -vec_dot(get(s->b.rush, k), get(s->b.n, k));
+        double work = (m->closing[k] * (c->d[k] - d) - 0.5 * (c->u[k] - u) * (c->u[k] + u)) / m->give[k];
+        double gain = stored_at(pass->rule, m, k, c->d[k], c->u[k]) - stored_at(pass->rule, m, k, d, u);
+        yield->lost.normal[k] = work - gain;
+        yield->lost.tangential[k] = pass->rubs ? c->rubbed[k] : 0.0;
+    }
 }
 
 /* Depths, slopes, and levers. */
@@ -257,6 +278,8 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
     yield->depth[lane] = from->depth[i];
     yield->steep[lane] = from->steep[i];
     yield->lasts[lane] = from->lasts[i];
+    yield->lost.normal[lane] = from->lost.normal[i];
+    yield->lost.tangential[lane] = from->lost.tangential[i];
     if (!turns || !batch->kept[0]) return;
     for (int axis = 0; axis < 3; axis++) batch->kept[axis][index] = s->x.c.s[axis][i] + 0.0;
     scree_keep(batch, SCREE_KEPT_STATE, index, s->x.c.slides[i]);
@@ -293,6 +316,7 @@ static void hand_nothing(struct scree_yield *yield, struct scree_moments *moment
     put(yield->turn_host, lane, zero);
     put(moments->impulse, lane, zero);
     yield->depth[lane] = yield->steep[lane] = yield->lasts[lane] = 0.0;
+    yield->lost.normal[lane] = yield->lost.tangential[lane] = 0.0;
 }
 
 /* Both bodies are balls, or one is frozen. */
@@ -337,6 +361,7 @@ static uint32_t impel_few(const struct smooth_work *w, const int *lane, int coun
     for (int k = 0; k < count; k++) touching |= s.x.c.rest[k] > 0.0;
     if (touching) march_on(&w->pass, count, &s.x);
     yield_smooth(&s, count, w->balls, turns, w->batch->slope, &few, &few_moments);
+    book_losses(&w->pass, &s, count, &few);
     for (int i = 0; i < count; i++)
         if (s.x.c.odd[i] > 0.0)
             odd |= (uint32_t)1 << lane[i];
@@ -362,6 +387,7 @@ static int impel_straight(const struct smooth_work *w, int count, int *lane, str
         SMOOTH_LOOP(accept_lane(0, 1, 1, k, &s.x);)
     SMOOTH_LOOP(s.x.c.odd[k] = s.event[k] > 0.0 ? 1.0 : s.x.c.odd[k];)
     yield_smooth(&s, count, w->balls, pass->rubs, w->batch->slope, yield, moments);
+    book_losses(pass, &s, count, yield);
     keep_all(w->batch, &s, w->first, count, pass->rubs, yield);
     for (int k = 0; k < count; k++)
         if (s.x.c.odd[k] > 0.0) lane[left++] = k;
