@@ -24,6 +24,7 @@ static const char help[] =
     "energy,\n"
     "over the energy: its root mean square, the largest gain, the largest loss; impacts that gained more than 1e-3.\n"
     "--row N: of both tables only the Nth row; all pairs are then of that kind.\n"
+    "Unless given: --pairs 100000 --impacts 1000 --seed 1 --threads 1.\n"
     "\n"
     "example: scree-bench collide --pairs 10000000 --impacts 0 --seed 1 --threads 2\n";
 

@@ -21,7 +21,7 @@ static const char help[] =
     "memory; plain: Hertz's\n"
     "spring alone. --integrator verlet (default) or pair-impulse. --write keeps the settled bed (positions, "
     "velocities, spins), --read takes it up again\n"
-    "(and lets it settle for --settle steps: 15000 unless given), so that builds can be compared on one bed; --tiles "
+    "(and lets it settle for --settle steps), so that builds can be compared on one bed; --tiles "
     "lays it out N by N times within the walls (N*N*bodies spheres); --ratio puts "
     "spheres\n"
     "up to N times as large in the place of others, each size sqrt(10) times the next and a hundredth as often\n"
@@ -41,6 +41,7 @@ static const char help[] =
     "that the machine takes at least for these (measured at best on the spot), for its quotients and roots, for its "
     "bytes from a field as\n"
     "large as the bed; how many times as long as the longest of these it takes; hash of the state.\n"
+    "Unless given: --bodies 10000 --threads 1 --steps 100 --repeats 9 --settle 15000.\n"
     "\n"
     "example: scree-bench hot --bodies 10000 --steps 100 --repeats 9\n";
 

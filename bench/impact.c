@@ -10,6 +10,7 @@ static const char help[] = "usage: scree-bench impact [--phases N]\n"
                            "against the number of steps in the time pi sqrt(m/k), which is not kept a whole number. "
                            "Columns: law, steps per contact,\n"
                            "step (s), largest error, observed order since the row before, nanoseconds per step.\n"
+                           "Unless given: --phases 64.\n"
                            "\n"
                            "example: scree-bench impact --phases 64\n";
 

@@ -13,6 +13,7 @@ static const char help[] = "usage: scree-bench laws [--repeats N]\n"
                            "\"linear\". Columns: kind, law, nanoseconds per contact (median of the repeats), and what "
                            "of that isn't the gathering of\n"
                            "bodies and the adding up of impulses, which \"linear\" without friction stands for.\n"
+                           "Unless given: --repeats 9.\n"
                            "\n"
                            "example: scree-bench laws --repeats 9\n";
 

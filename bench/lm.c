@@ -30,6 +30,7 @@ static const char help[] =
     "precision. Columns: solver, collection, problem, number of unknowns, of residuals, start (NIST: 1 or 2, else its\n"
     "factor), calls of residual and Jacobian, result (digits of the worst parameter, or which minimum), whether\n"
     "convergence is claimed.\n"
+    "Unless given: --repeats 25.\n"
     "\n"
     "example: scree-bench lm --costs cminpack >data/reference/lmder_costs.csv\n";
 

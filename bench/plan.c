@@ -15,6 +15,7 @@ static const char help[] = "usage: scree-bench plan [--repeats N] [--threads N]\
                            "threads, seconds (median of the\n"
                            "repeats), simulations, largest clearance left as the same model sees it and as a model "
                            "with an eighth of the step does.\n"
+                           "Unless given: --repeats 3 --threads 1.\n"
                            "\n"
                            "example: scree-bench plan --repeats 5 --threads 2\n";
 

@@ -13,6 +13,7 @@ static const char help[] =
     "(median of\n"
     "the repeats) and million steps per second; then, for the stages of the step run alone, nanoseconds: look ahead,\n"
     "contacts, advance; near contacts listed.\n"
+    "Unless given: --steps 20000 --repeats 9.\n"
     "\n"
     "example: scree-bench process --repeats 9\n";
 

@@ -1,4 +1,5 @@
-/* What a run writes into its folder. Numbers in %.17g, so that they read back as the same doubles. */
+/* What a run writes into its folder. Numbers in %.17g, so that they read back as the same doubles; times, which are
+ * whole steps, in %.15g, so that 0.058 doesn't come out as 0.057999999999999996. */
 #include "engine/output.h"
 
 #include "engine/c_locale.h"
@@ -122,7 +123,7 @@ static void put_numbers(FILE *file, const double *values, int count) {
 
 static void put_body(FILE *file, const scree_scene *scene, int k) {
     scree_body_state state = scree_scene_body(scene, k);
-    fprintf(file, "%.17g,", scree_scene_time(scene));
+    fprintf(file, "%.15g,", scree_scene_time(scene));
     put_name(file, scree_scene_body_name(scene, k).text);
     put_numbers(file, state.position, 3);
     put_numbers(file, state.orientation, 4);
@@ -139,7 +140,7 @@ static void put_bodies(const struct scree_output *output, const scree_scene *sce
 }
 
 static void put_contact(FILE *file, const scree_scene *scene, const scree_contact_state *state) {
-    fprintf(file, "%.17g,", scree_scene_time(scene));
+    fprintf(file, "%.15g,", scree_scene_time(scene));
     put_name(file, scree_scene_body_name(scene, state->ball).text);
     fputc(',', file);
     put_name(file, scree_scene_body_name(scene, state->host).text);
@@ -182,7 +183,7 @@ static scree_status put_energy(struct scree_output *output, scree_scene *scene, 
     const double values[] = {energy.kinetic, energy.rotational,  energy.potential,
                              energy.stored,  energy.lost_normal, energy.lost_tangential,
                              energy.driven,  energy.balance,     scree_scene_deepest(scene, NULL, NULL)};
-    fprintf(output->energy.file, "%.17g", scree_scene_time(scene));
+    fprintf(output->energy.file, "%.15g", scree_scene_time(scene));
     put_numbers(output->energy.file, values, (int)(sizeof values / sizeof values[0]));
     fputc('\n', output->energy.file);
     return SCREE_OK;
@@ -197,7 +198,7 @@ static scree_status put_frames(struct scree_output *output, scree_scene *scene, 
         scree_status status = scree_write_frame(scene, (enum scree_frame_kind)kind, path, trouble);
         free(path);
         if (status) return status;
-        fprintf(output->series.file, "<DataSet timestep=\"%.17g\" part=\"%d\" file=\"frames/%s\"/>\n",
+        fprintf(output->series.file, "<DataSet timestep=\"%.15g\" part=\"%d\" file=\"frames/%s\"/>\n",
                 scree_scene_time(scene), kind, name);
     }
     output->frames++;
