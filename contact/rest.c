@@ -180,15 +180,24 @@ static void gather(const struct scree_batch *batch, const int *index, int count,
     int padded = scree_padded(count);
     for (int k = 0; k < count; k++) scree_put_contact(&g->batch, k, scree_contact_at(batch, index[k]));
     for (int m = 0; m < SCREE_MEMORY; m++)
-        for (int k = 0; batch->keeps[m] && k < padded; k++)
-            scree_keep(&g->batch, m, k, k < count ? scree_kept(batch, m, index[k]) : 0.0);
+        for (int k = 0; batch->kept[m] && k < padded; k++) g->kept[m][k] = k < count ? batch->kept[m][index[k]] : 0.0;
+    for (int k = 0; batch->slides && k < padded; k++) g->slides[k] = k < count ? batch->slides[index[k]] : 0;
     for (int c = 0; c < SCREE_PAIR_COLUMNS && !batch->uniform; c++)
         for (int k = 0; k < padded; k++) g->pair[c][k] = batch->pair[c][index[k < count ? k : count - 1]];
 }
 
+/* What is kept of them, back to where they lie. */
+static void put_back(const struct gathered *g, const int *index, int count, const struct scree_batch *batch) {
+    for (int m = 0; m < SCREE_MEMORY; m++)
+        for (int k = 0; batch->kept[m] && k < count; k++) batch->kept[m][index[k]] = g->kept[m][k];
+    for (int k = 0; batch->slides && k < count; k++) batch->slides[index[k]] = g->slides[k];
+}
+
 void scree_rest_act(const struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
                     const struct scree_part *segment, double step, struct scree_tally *tally) {
-    struct gathered g = {.batch = *batch};
+    if (segment->stirring_first == segment->stirring_end) return;
+    struct gathered g; /* all that is read of it is set: to clear it would take longer than a few contacts */
+    g.batch = *batch;
     g.batch.ends = g.ends;
     g.batch.corner = batch->corner ? g.corner : NULL;
     for (int m = 0; m < SCREE_MEMORY; m++) g.batch.kept[m] = batch->kept[m] ? g.kept[m] : NULL;
@@ -199,9 +208,7 @@ void scree_rest_act(const struct scree_contacts *contacts, struct scree_bodies *
         int count = segment->stirring_end - done < SCREE_LANES ? segment->stirring_end - done : SCREE_LANES;
         gather(batch, index, count, &g);
         contacts->loop->act_straight(contacts, bodies, &g.batch, 0, count, step, tally, NULL);
-        for (int m = 0; m < SCREE_MEMORY; m++)
-            for (int k = 0; batch->keeps[m] && k < count; k++)
-                scree_keep(batch, m, index[k], scree_kept(&g.batch, m, k));
+        put_back(&g, index, count, batch);
     }
 }
 
