@@ -418,7 +418,7 @@ static void roll(const struct scree_contacts *contacts, const struct scree_bodie
     add_to(moments->turn_ball, lane, moment);
     add_to(moments->turn_host, lane, vec_scale(-1.0, moment));
     double power = vec_dot(r.force, t.rolling.velocity) + s.force.x * t.twisting.velocity.x;
-    yield->lost.tangential[lane] -= t.time * power;
+    if (contacts->measured) yield->lost.tangential[lane] -= t.time * power;
     if (own) keep_turning(own, place.index, touches, r, s);
 }
 
@@ -436,7 +436,6 @@ static void roll_on(const struct scree_contacts *contacts, const struct scree_bo
     }
     put(place.moments->turn_ball, place.lane, zero);
     put(place.moments->turn_host, place.lane, zero);
-    if (!contacts->measured) yield->lost.tangential[place.lane] = 0.0; /* nobody looks, but it is a number */
     double impulse = vec_dot(taken(yield->impulse, place.lane), middle.normal);
     roll(contacts, bodies, place, middle, impulse, yield->lasts[place.lane] > 0.0, step);
 }

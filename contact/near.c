@@ -64,7 +64,7 @@ static int is_near(const struct scree_contacts *contacts, const struct scree_bod
     return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
 }
 
-/* The same of two spheres. */
+/* Two spheres, to be judged without a root: many pairs at once, or one. */
 static SCREE_INLINE void put_spheres(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                      const struct scree_contact *contact, int k, struct scree_approaches *to) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
@@ -85,8 +85,8 @@ static int are_near(const struct scree_contacts *contacts, const struct scree_bo
 static inline int is_any_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                               const struct scree_batch *batch, const struct scree_contact *contact,
                               struct sight *sight) {
-    double left = scree_left_of(contacts, bodies, contact->ball, contact->host);
     if (batch->geometry == SCREE_BALL_BALL && contact->corner == 0) return are_near(contacts, bodies, contact);
+    double left = scree_left_of(contacts, bodies, contact->ball, contact->host);
     return is_near(contacts, bodies, batch, contact, left, sight);
 }
 

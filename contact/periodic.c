@@ -39,7 +39,8 @@ static int any_far_out(const struct scree_bodies *bodies) {
 static scree_status find_returns(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                  scree_trouble *trouble) {
     contacts->returns = 0;
-    for (int k = any_far_out(bodies) ? 0 : bodies->count; k < bodies->count; k++) {
+    if (!any_far_out(bodies)) return SCREE_OK;
+    for (int k = 0; k < bodies->count; k++) {
         struct scree_return out = {.body = k};
         int any = 0;
         for (int axis = 0; axis < 3; axis++) any |= out.periods[axis] = periods_out(bodies, k, axis);
