@@ -113,6 +113,7 @@ struct scree_order {
 struct scree_bodies {
     int count;
     struct scree_order order;
+    int mixed;         /* members are of several materials */
     int *number;       /* [place]: number of the body there, as it was defined */
     int *place;        /* [number] */
     signed char *slab; /* [place]: -1: no member */

@@ -131,6 +131,9 @@ void scree_bodies_sort(struct scree_bodies *bodies, double range, uint64_t *key,
 void scree_bodies_mark_slabs(struct scree_bodies *bodies) {
     const struct scree_order *order = &bodies->order;
     memset(bodies->slab, -1, (size_t)bodies->count);
+    bodies->mixed = 0;
+    for (int k = order->members; k < bodies->count; k++)
+        bodies->mixed |= scree_kind_of(bodies, k)->material != scree_kind_of(bodies, order->members)->material;
     for (int slab = 0; slab < order->slabs; slab++)
         for (int k = order->start[slab]; k < order->start[slab + 1]; k++) bodies->slab[k] = (signed char)slab;
 }

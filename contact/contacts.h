@@ -96,6 +96,14 @@ struct scree_part {
     int stirring_first, stirring_end; /* those that aren't still, in the batch's list of them (rest.h) */
 };
 
+/* A slab has so many strips at most, of so many bodies at least (slabs.c). What its contacts touch as far as the end of
+ * one: the last place in the slab, and in the next one (-1: none); from that strip on they touch the next one from
+ * place `left` on. */
+enum { SCREE_STRIPS = 24, SCREE_LEAST_STRIP = 96 };
+struct scree_gate {
+    int own, next, left;
+};
+
 /* What laws keep of a contact. */
 struct scree_held {
     int index;
@@ -307,7 +315,9 @@ struct scree_rest {
 
 /* Lists where bodies fly (flight.c). */
 struct scree_flights {
-    double sweep;  /* the most that a flight leads away from the mean one until outer lists are made anew, m */
+    double sweep; /* the most that a flight leads away from the mean one until outer lists are made anew, m */
+    double
+        bend; /* by which flights that lead past each other may lead apart less than straight away, in half a step, m */
     double wander; /* m/s, off their flights at the end of the last ones, on the mean */
     double ahead;  /* s that the list being made looks ahead */
     double flown;  /* s since outer lists were made; */
@@ -343,8 +353,10 @@ struct scree_contacts {
     double widest_margin; /* and that is the most that one has */
     double step;          /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
     float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
-    unsigned char *lent;  /* [place]: 1: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before;
-                           * while lists are made: a member that comes first in contacts of segment 0 */
+    struct scree_gate gate[SCREE_SLABS][SCREE_STRIPS]; /* of the strips of slabs whose lists are as they were then: */
+    unsigned char gated[SCREE_SLABS];
+    unsigned char *lent; /* [place]: 1: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before;
+                          * while lists are made: a member that comes first in contacts of segment 0 */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
     struct scree_space boxes;
@@ -560,16 +572,22 @@ scree_status scree_contacts_recode(struct scree_contacts *contacts, const struct
 void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
                             const struct scree_batch *batch, int block);
 
-/* Slabs go in stretches of so many, which don't depend on each other but for the last slab of each (act.c). */
+/* Keep the largest value so far, and whose it was: bodies by their places. */
+static inline void scree_note(double value, const struct scree_bodies *bodies, int ball_place, int host_place,
+                              double *largest, int *ball, int *host) {
+    if (value <= *largest) return;
+    *largest = value;
+    *ball = bodies->number[ball_place];
+    *host = bodies->number[host_place];
+}
+
+/* Slabs go in stretches of so many (slabs.c). */
 enum { SCREE_STRETCH = 3 };
 
-/* Members of a slab that may move on behind its contacts, which come by rising place of their first body: from place
- * `next` on, those before the first body of all contacts to come; but for those that are lent (NULL: none is). Who
- * moves them advances `next`, and need not move all. */
+/* From one piece of a slab's contacts of two balls to the next: bodies before place `called` have been called from
+ * memory; so many contacts come behind the piece. */
 struct scree_trail {
-    const struct scree_departure *go;
-    const unsigned char *lent;
-    int next;
+    int called, behind;
 };
 
 /* The first place that a contact has to do with. */
@@ -577,10 +595,11 @@ static inline int scree_first_of(const struct scree_ends *contact) {
     return contact->ball < contact->host ? contact->ball : contact->host;
 }
 
-/* Work off the segments of the slabs by as many threads (act.c); tallies are added up. `trail`, `go`: NULL where nobody
- * moves. Returns 1 if a body that moved ahead has outgrown its margin. */
+/* Work off the segments of the slabs by as many threads, piece by piece (slabs.c); tallies are added up. `trail`: NULL
+ * where a segment goes as a whole; `go`: NULL where nobody moves. Returns 1 if a body that moved ahead has outgrown its
+ * margin. */
 typedef void scree_segment_work(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
-                                const struct scree_batch *batch, const struct scree_part *segment, double step,
+                                const struct scree_batch *batch, int first, int count, double step,
                                 struct scree_tally *tally, struct scree_trail *trail);
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go);
@@ -621,6 +640,18 @@ static inline struct vec scree_flown(const struct scree_contacts *contacts, cons
                                      int j) {
     if (!bodies->flight) return vec(0.0, 0.0, 0.0);
     return vec_scale(contacts->flights.ahead, vec_sub(scree_flight_of(bodies, i), scree_flight_of(bodies, j)));
+}
+
+/* Where a pair was half a step ago, on its flights, and the way from there. What has parted since then acts in the step
+ * still (scree_share_of); it has parted by less than its flights lead apart in that time and both bodies may still go,
+ * but for `bend`. */
+static inline struct vec scree_begin_flight(const struct scree_contacts *contacts, struct vec apart,
+                                            struct vec *flown) {
+    double back =
+        flown->x != 0.0 || flown->y != 0.0 || flown->z != 0.0 ? 0.5 * contacts->step / contacts->flights.ahead : 0.0;
+    struct vec from = vec_axpy(apart, -back, *flown);
+    *flown = vec_scale(1.0 + back, *flown);
+    return from;
 }
 
 /* The square of the least distance on the way, from `apart` on. */

@@ -39,6 +39,15 @@ static int any_grounded(const struct scree_bodies *bodies) {
     return any;
 }
 
+/* Of spheres. */
+static double least_radius(const struct scree_bodies *bodies) {
+    double least = HUGE_VAL;
+    for (int k = 0; k < bodies->count; k++)
+        if (scree_kind_of(bodies, k)->shape.kind == SCREE_SPHERE && bodies->record[k].radius < least)
+            least = bodies->record[k].radius;
+    return least;
+}
+
 /* The velocity of a body's flight: off the mean one by `most` at most. */
 static struct vec course_of(const struct scree_bodies *bodies, int k, struct vec mean, double most) {
     if (bodies->class[k] != SCREE_CLASS_BALL) return vec(0.0, 0.0, 0.0);
@@ -54,8 +63,9 @@ static void set_out(struct scree_contacts *contacts, struct scree_bodies *bodies
     struct vec mean = swarm->velocity;
     double sweep = fmin(0.75 * contacts->skin, contacts->most_margin), most = 2.0 * swarm->apart;
     if (any_grounded(bodies)) most = fmax(most, vec_norm(mean));
-    double last = fmin(sweep / most, MOST_STEPS * contacts->step);
+    double last = fmin(sweep / most, MOST_STEPS * contacts->step), across = most * contacts->step;
     contacts->flights = (struct scree_flights){.sweep = most * last * (1.0 + 1e-6), /* flights are rounded */
+                                               .bend = across * across / (4.0 * least_radius(bodies)),
                                                .wander = wander,
                                                .ahead = last,
                                                .last = last};

@@ -106,33 +106,24 @@ static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const str
     for (int m = 0; batch->kept[0] && m < 3; m++) SCREE_CALL(&batch->kept[m][next], later, later + SCREE_LANES);
 }
 
-/* Bodies before place `first` move on, a block of them at a time. */
-static void follow(const struct scree_contacts *contacts, struct scree_bodies *bodies, int first,
-                   struct scree_trail *trail, struct scree_tally *tally) {
-    int to = trail->next + (first - trail->next) / SCREE_LANES * SCREE_LANES;
-    if (to <= trail->next) return;
-    tally->too_far |= contacts->loop->move(bodies, trail->next, to, trail->go, trail->lent, 0);
-    trail->next = to;
-}
-
 static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
-                          const struct scree_batch *batch, const struct scree_part *segment, double step,
-                          struct scree_tally *tally, struct scree_trail *trail) {
+                          const struct scree_batch *batch, int first, int all, double step, struct scree_tally *tally,
+                          struct scree_trail *trail) {
     const struct stride *stride = context;
     struct scree_yield yield;
     struct scree_moments moments;
-    int hosts = batch->geometry == SCREE_BALL_BALL, called = 0;
-    for (int done = 0; done < segment->count; done += SCREE_LANES) {
-        int left = segment->count - done, first = segment->first + done,
-            count = left < SCREE_LANES ? left : SCREE_LANES;
-        call_ahead(bodies, stride->now, batch, first + count, left - count, &called);
+    struct scree_trail whole = {0, 0};
+    int hosts = batch->geometry == SCREE_BALL_BALL;
+    if (!trail) trail = &whole;
+    for (int left = all, count; left > 0; left -= count, first += count) {
+        count = left < SCREE_LANES ? left : SCREE_LANES;
+        call_ahead(bodies, stride->now, batch, first + count, left - count + trail->behind, &trail->called);
         scree_impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
         clear_turns(batch, first, count, &yield);
         contacts->loop->add_up(bodies, &batch->ends[first], count, batch->any_turns, hosts, &yield, &moments);
         add_turn_moments(bodies, batch, first, count, hosts, &moments);
         tally_up(&batch->ends[first], &yield, count, tally);
         if (contacts->measured) scree_tally_losses(tally, &yield.lost, count);
-        if (trail && left > count) follow(contacts, bodies, scree_first_of(&batch->ends[first + count]), trail, tally);
     }
 }
 

@@ -24,7 +24,7 @@ static void tell_all(struct block *b, const struct lean *lean, int count) {
 static void finish(const struct scree_contacts *contacts, const struct scree_batch *batch, const struct block *b,
                    int count, double step, struct sizes sizes, struct scree_yield *yield) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
-    write_yield(b, count, batch, deeds_of(batch, rule), sizes, step, yield);
+    write_yield(b, count, batch, deeds_of(batch, rule, batch->any_turns), sizes, step, yield);
     if (contacts->measured) measure_losses(b, count, rule, step, &yield->lost);
 }
 
@@ -242,14 +242,6 @@ static int move(struct scree_bodies *bodies, int from, int to, const struct scre
 
 /* ---- one slab ---- */
 
-/* Bodies before place `first` move on, a block of them at a time. Inlined, it would take registers from the
- * contacts. */
-static __attribute__((noinline)) void follow(struct scree_bodies *bodies, int first, struct scree_trail *trail,
-                                             struct scree_tally *tally) {
-    for (; trail->next + SCREE_LANES <= first; trail->next += SCREE_LANES)
-        tally->too_far |= move_some(bodies, trail->next, SCREE_LANES, trail->go, trail->lent, 0);
-}
-
 static void act_straight(const struct scree_contacts *contacts, struct scree_bodies *bodies,
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally,
                          struct scree_trail *trail) {
@@ -258,26 +250,28 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     const struct scree_ends *own = batch->ends + first;
     struct scree_contact contact[SCREE_LANES];
     struct work w = work_on(contacts, bodies, batch, first, step);
-    int deeds = deeds_of(batch, w.rule), turn = 0, called = 0;
+    struct scree_trail whole = {0, 0};
+    int deeds = deeds_of(batch, w.rule, batch->turns), turn = 0; /* of slabs: no corners */
+    if (!trail) trail = &whole;
     find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
     for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
         int left = count - done - here < SCREE_LANES ? count - done - here : SCREE_LANES;
+        int to_come = count + trail->behind - done;
         w.wants.most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
         if (left) find_ends(bodies, own + here, left, &ends[!turn]);
         begin_at(&w, first + done);
-        call_ahead(bodies, &w, own, count - done, 0, &called);
+        call_ahead(bodies, &w, own, to_come, 0, &trail->called);
         name_contacts(batch, first + done, here, contact);
         int events = gather(bodies, contact, &ends[turn], here, batch->geometry, w.wants, &b);
-        call_ahead(bodies, &w, own, count - done, 1, &called);
+        call_ahead(bodies, &w, own, to_come, 1, &trail->called);
         press(&w, first + done, here, events, &b);
-        call_ahead(bodies, &w, own, count - done, 2, &called);
+        call_ahead(bodies, &w, own, to_come, 2, &trail->called);
         push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, step);
-        call_ahead(bodies, &w, own, count - done, 3, &called);
+        call_ahead(bodies, &w, own, to_come, 3, &trail->called);
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) note_losses(&b, here, w.rule, step, tally);
-        if (trail && left) follow(bodies, scree_first_of(own + here), trail, tally);
     }
 }
 

@@ -9,8 +9,8 @@ struct scree_loop {
     /* Contacts first … first + count - 1 (at most SCREE_LANES) of a batch through one step: what they yield. */
     void (*act)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield);
-    /* As many contacts of a slab, added straight to their bodies and to the tally; bodies move on behind them (NULL:
-     * none). */
+    /* Contacts of a slab, as many as there are, added straight to their bodies and to the tally. `trail`: as
+     * scree_segment_work. */
     void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally,
                          struct scree_trail *trail);

@@ -54,11 +54,12 @@ static int is_near(const struct scree_contacts *contacts, const struct scree_bod
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     struct vec flown = scree_flown(contacts, bodies, contact->ball, contact->host);
     if (batch->geometry == SCREE_EDGE_EDGE) return sees_edges(sight, bodies, contact, left);
-    if (batch->geometry == SCREE_BALL_IMAGE)
-        return sqrt(scree_nearest2(scree_apart(bodies, contact, SCREE_BALL_IMAGE), flown)) - ball->radius -
-                   host->radius <=
-               left;
-    left += vec_norm(flown);
+    if (batch->geometry == SCREE_BALL_IMAGE) {
+        struct vec from = scree_begin_flight(contacts, scree_apart(bodies, contact, SCREE_BALL_IMAGE), &flown);
+        double gap = sqrt(scree_nearest2(from, flown)) - ball->radius - host->radius;
+        return gap <= left + contacts->flights.bend;
+    }
+    left += vec_norm(flown); /* in any direction, so also of half a step ago */
     int boxes = batch->geometry == SCREE_BALL_BOX && contact->corner > 0;
     if (boxes) look_at(sight, bodies, contact, 0, left);
     return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
@@ -68,9 +69,10 @@ static int is_near(const struct scree_contacts *contacts, const struct scree_bod
 static SCREE_INLINE void put_spheres(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                      const struct scree_contact *contact, int k, struct scree_approaches *to) {
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    double left = scree_left_of(contacts, bodies, contact->ball, contact->host);
-    scree_put_approach(to, k, vec_sub(vec_from(ball->x), vec_from(host->x)),
-                       scree_flown(contacts, bodies, contact->ball, contact->host), ball->radius + host->radius + left);
+    double left = scree_left_of(contacts, bodies, contact->ball, contact->host) + contacts->flights.bend;
+    struct vec flown = scree_flown(contacts, bodies, contact->ball, contact->host);
+    struct vec from = scree_begin_flight(contacts, vec_sub(vec_from(ball->x), vec_from(host->x)), &flown);
+    scree_put_approach(to, k, from, flown, ball->radius + host->radius + left);
 }
 
 static int are_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
@@ -325,6 +327,7 @@ static void mark_lent(struct scree_contacts *contacts, const struct scree_bodies
 scree_status scree_contacts_pick(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                                  scree_trouble *trouble) {
     contacts->rest.stale = 1;
+    memset(contacts->gated, 0, sizeof contacts->gated);
     int segments = bodies->order.slabs + 1;
     scree_status status = prepare_scratch(contacts, threads, segments, trouble);
     for (int b = 0; b < contacts->batches && !status; b++) {

@@ -8,11 +8,12 @@
 /* What a contact does to its bodies: a constant for each loop over contacts. */
 enum { RUBS = 1, TURNS = 2, ROLLS = 4, BALLS = 8 };
 
-static inline int deeds_of(const struct scree_batch *batch, const struct scree_rule *rule) {
+/* `turns`: of what doesn't rub, some turn bodies all the same. */
+static inline int deeds_of(const struct scree_batch *batch, const struct scree_rule *rule, int turns) {
     int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE ? BALLS : 0;
     if (rule->rolling >= 0) return balls | TURNS | ROLLS | (rule->friction >= 0 ? RUBS : 0);
     if (rule->friction >= 0) return balls | TURNS | RUBS;
-    return batch->any_turns ? TURNS : 0; /* without friction a ball at the centre of its body can't turn it */
+    return turns ? TURNS : 0; /* without friction a ball at the centre of its body can't turn it */
 }
 
 /* Impulse and angular impulses of one contact. */

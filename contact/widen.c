@@ -100,6 +100,7 @@ static scree_status insert(struct scree_contacts *contacts, const struct scree_b
     scree_clear_padding(batch, segment);
     if (!batch->uniform) scree_insert_constants(contacts, bodies, batch, s, place);
     if (s > 0) scree_lend(contacts, bodies, s, contact);
+    if (s > 0) contacts->gated[s - 1] = 0;
     return s > 0 ? SCREE_OK : scree_enlarge_yield(batch, trouble);
 }
 

@@ -1,6 +1,7 @@
 /* Scenes of many balls: their order in memory, near lists and slabs change nothing but the time. */
 #include "tests/scenes.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,9 +44,9 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size) {
 
 enum { COUNT = 1500 };
 
-/* Balls of two sizes that fly about in a closed box and rub, a frozen one now and then, some boxes, one ball as large
- * as a hundred, and a wall that shakes. */
-static char *gas_text(double speed) {
+/* Balls of two sizes, or (`mixed`) of two materials too, that fly about in a closed box and rub, a frozen one now and
+ * then, some boxes, one ball as large as a hundred, and a wall that shakes. */
+static char *gas_text(double speed, int mixed) {
     char *text = malloc(COUNT * 300 + 8192);
     int used = sprintf(text, "%s",
                        "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 2e-5\n"
@@ -84,7 +85,7 @@ static char *gas_text(double speed) {
                             : k % 3     ? "sphere = 0.005"
                                         : "sphere = 0.004";
         used += sprintf(text + used, "[[body]]\nname = \"b%d\"\nmaterial = \"%s\"\nshape = { %s }\n", k,
-                        k % 90 == 7 ? "block" : "ball", k == 0 ? "sphere = 0.024" : shape);
+                        k % 90 == 7 || (mixed && k % 5 == 3) ? "block" : "ball", k == 0 ? "sphere = 0.024" : shape);
         double place[3] = {0.02 + 0.012 * x, 0.02 + 0.012 * y, 0.02 + 0.012 * z};
         if (k == 0) place[0] = 0.2, place[1] = 0.09, place[2] = 0.15;
         double off[2], v[3];
@@ -135,7 +136,7 @@ static int listed_spheres(scree_scene *scene) {
 
 /* How often the order changes in a run, looked at after every 512 steps; and no contact is missed. */
 static void test_reordering(void) {
-    char *text = gas_text(1.5);
+    char *text = gas_text(1.5, 0);
     scree_scene *scene = scene_from(text, NULL, 0, 1);
     int *before = malloc((size_t)scree_scene_bodies(scene) * sizeof *before), changes = 0, most = 0;
     CHECK(scene->bodies.order.slabs > 4 && scene->bodies.order.members > 6);
@@ -212,10 +213,10 @@ static struct end end_with_narrow_lists(const char *text, const char *const *cha
 
 /* The same bits of bodies and energies whatever works them out: threads, processor, steps at a time, the width of
  * lists, a pause; and measurements change nothing. */
-static void test_same_bits(const char *const *changes, int count) {
+static void test_same_bits(const char *const *changes, int count, int mixed) {
     static const int threads[] = {2, 3, 16};
     static const char *const isa[] = {"baseline", "avx2", "avx512"};
-    char *text = gas_text(1.5);
+    char *text = gas_text(1.5, mixed);
     const char *measured[4] = {"output={write=[\"energy.csv\"]}"};
     for (int k = 0; k < count; k++) measured[1 + k] = changes[k];
     struct end end = end_after(text, measured, 1 + count, 1, STEPS);
@@ -233,6 +234,57 @@ static void test_same_bits(const char *const *changes, int count) {
     CHECK(end_after(text, changes, count, 1, STEPS).hash == end.hash);
     CHECK(end_restored(text, changes, count).hash == end.hash);
     free(text);
+}
+
+/* The gate of a strip (slabs.c), by looking through all contacts: blocks of them aren't cut. */
+static void check_gate(const struct scree_bodies *bodies, const struct scree_batch *batch, int slab, int from, int to,
+                       struct scree_gate gate) {
+    const struct scree_part *segment = &batch->segment[1 + slab];
+    int end = bodies->order.start[slab + 1], before = 0, through = 0, own = to - 1, next = -1, left = INT_MAX;
+    for (int k = 0; k < segment->count; k++) {
+        before += scree_first_of(&batch->ends[segment->first + k]) < from;
+        through += scree_first_of(&batch->ends[segment->first + k]) < to;
+    }
+    for (int k = 0; k < segment->count; k++) {
+        const struct scree_ends *contact = &batch->ends[segment->first + k];
+        int later = contact->ball > contact->host ? contact->ball : contact->host;
+        if (later < end && k < scree_padded(through) && later > own) own = later;
+        if (later >= end && k < scree_padded(through) && later > next) next = later;
+        if (later >= end && k >= scree_padded(before) && later < left) left = later;
+    }
+    CHECK(gate.own == own && gate.next == next && gate.left == left);
+}
+
+/* Slabs wait for each other by gates: these are right for the lists as they are, after lists have been made and after
+ * single bodies have got new contacts. */
+static void test_gates(void) {
+    scree_scene *scene = scene_from(
+        "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
+        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
+        "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
+        "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.0125\njitter = 1e-4\n"
+        "min = [0, 0, 0]\nmax = [0.51, 0.126, 0.126]\nmaterial = \"ball\"\nseed = 3\n",
+        NULL, 0, 2);
+    const struct scree_bodies *bodies = &scene->bodies;
+    const struct scree_contacts *contacts = &scene->contacts;
+    long strips = 0, renewed = contacts->renewals, answered = contacts->answers;
+    CHECK(bodies->order.slabs > 8);
+    uint64_t seed = 5;
+    for (int k = bodies->order.members; k < bodies->count; k++)
+        check_draw(&seed, -2.0, 2.0, 3, scene->bodies.state[k].v);
+    for (int k = 0; k < 40; k++) {
+        go(scene, 12);
+        for (int slab = 0; slab < bodies->order.slabs; slab++) {
+            int from = bodies->order.start[slab], end = bodies->order.start[slab + 1], strip = 0;
+            int width = (int)fmax((end - from + SCREE_STRIPS - 1) / SCREE_STRIPS, SCREE_LEAST_STRIP);
+            CHECK(contacts->gated[slab]);
+            for (; from < end; from += width, strip++, strips++)
+                check_gate(bodies, contacts->batch, slab, from, from + width < end ? from + width : end,
+                           contacts->gate[slab][strip]);
+        }
+    }
+    CHECK(strips > 40 * 20 && contacts->renewals > renewed && contacts->answers > answered);
+    scree_scene_destroy(scene);
 }
 
 /* Fast balls may meet others from slabs that aren't neighbours. Such contacts belong to segment 0, whoever finds them:
@@ -323,7 +375,7 @@ static void test_flights(void) {
  * positions are reckoned back over half a step, which rounds twice. */
 static void test_stop(void) {
     enum { MOST = 700 };
-    char *text = gas_text(1.5);
+    char *text = gas_text(1.5, 0);
     scree_scene *at_once = scene_from(text, NULL, 0, 0), *singly = scene_from(text, NULL, 0, 0);
     at_once->gravity.vector[0] = singly->gravity.vector[0] = 3e3; /* sooner or later one is too fast */
     CHECK(scree_scene_step(at_once, MOST) == SCREE_FAILED);
@@ -347,7 +399,7 @@ static void test_stop(void) {
 static void test_books(void) {
     static const char fixed[] = "gravity = [0, 0, -9.81]\n";
     const char *change = "output={write=[\"energy.csv\"]}";
-    char *text = gas_text(1.5), *tilting = malloc(strlen(text) + 300);
+    char *text = gas_text(1.5, 0), *tilting = malloc(strlen(text) + 300);
     CHECK(strncmp(text, fixed, strlen(fixed)) == 0);
     sprintf(tilting, "gravity = { vector = [0, 0, -9.81], axis = [0, 1, 0], tilt = \"still\" }\n%s%s",
             text + strlen(fixed), "[[motion]]\nname = \"still\"\nkind = \"velocity\"\nvelocity = 0\n");
@@ -373,7 +425,7 @@ static void test_books(void) {
  * lies. */
 static void test_watch(void) {
     const char *change = "time.watch=\"halve\"";
-    char *text = gas_text(1.5);
+    char *text = gas_text(1.5, 0);
     scree_scene *scene = scene_from(text, &change, 1, 1);
     int fast = 0;
     for (int k = 0; k < scree_scene_bodies(scene); k++) {
@@ -398,7 +450,7 @@ static void test_watch(void) {
  * grows now and then all the same; many stretches of 500 steps, with some dozens of outer lists and an ordering each,
  * know nothing of it. */
 static void test_allocations(void) {
-    char *text = gas_text(1.0);
+    char *text = gas_text(1.0, 0);
     scree_scene *scene = scene_from(text, NULL, 0, 1);
     scene->contacts.most_margin = 0.0; /* so that there are many */
     go(scene, 2100);
@@ -507,7 +559,7 @@ static void test_refusals(const char *const *pair_impulse) {
         "[[generate]]\nname = \"%s\"\nkind = \"random\"\nradius = 0.005\ncount = %d\nmaterial = "
         "\"ball\"\nmin = [0, 0, 0.01]\nmax = [0.1, 0.1, %g]\nvelocity = [%g, 0.9, -0.5]\n";
     static const char *const adaptive[] = {"time.integrator=\"adaptive\"", "domain.periodic=[]"};
-    char *gas = gas_text(1.5), grains[4096];
+    char *gas = gas_text(1.5, 0), grains[4096];
     int used =
         snprintf(grains, sizeof grains, "%s",
                  "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
@@ -536,8 +588,10 @@ int main(void) {
                                                "stiffness=2e4, restitution=0.9}, friction={law=\"coulomb\", "
                                                "static=0.5, kinetic=0.4, stiffness=1e4}}"};
     test_reordering();
-    test_same_bits(NULL, 0);
-    test_same_bits(pair_impulse, 2);
+    test_same_bits(NULL, 0, 0);
+    test_same_bits(NULL, 0, 1);
+    test_same_bits(pair_impulse, 2, 0);
+    test_gates();
     test_strays();
     test_flights();
     test_stop();

@@ -1,0 +1,323 @@
+/* Slabs through one step: their contacts, which add straight to their bodies, and their bodies behind them.
+ *
+ * A slab's contacts of two balls come by the place of their first body and reach into the next slab; those with what
+ * isn't a ball (walls) come before all of these. So a slab may follow the one before through the step, as soon as that
+ * one is through with all bodies that are next, and every sum has one order, for any number of threads. Where members
+ * are of one material, their contacts are of one batch and go strip by strip, some rows behind each other; else batch
+ * after batch, slab after slab. So that not all slabs have to follow one another, they go in stretches: the last slab
+ * of a stretch follows the first of the next one.
+ *
+ * A body is finished when the contacts of its own slab have passed it by: then it moves on, while it is at hand. Those
+ * of a stretch's first slab that the slab before touches are lent to it, and move on after it. */
+#include "contact/loop.h"
+#include "contact/rest.h"
+
+#include <limits.h>
+#include <sched.h>
+#include <stdatomic.h>
+
+/* How far a slab is: contacts to come touch no body of it before place `own`, and none of the next one before `next`.
+ * A line of cache each. */
+struct front {
+    _Alignas(64) atomic_int own;
+    atomic_int next;
+};
+
+/* Where slabs are: nobody has begun one, somebody has, it is through. */
+enum { FREE, TAKEN, DONE };
+
+struct slabs {
+    struct scree_contacts *contacts;
+    struct scree_bodies *bodies;
+    double step;
+    scree_segment_work *work; /* with its argument */
+    void *argument;
+    const struct scree_departure *go; /* NULL: bodies stay where they are */
+    int slabs, team;                  /* so many threads share them */
+    double before[SCREE_SLABS + 1];   /* work of the slabs before each */
+    atomic_char state[SCREE_SLABS];
+    struct front front[SCREE_SLABS];
+};
+
+static int begins_stretch(int slab) { return slab % SCREE_STRETCH == 0; }
+
+/* The last of a stretch, but of the last one. */
+static int ends_stretch(const struct slabs *all, int slab) { return slab + 1 < all->slabs && begins_stretch(slab + 1); }
+
+/* ---- strips ---- */
+
+static int is_of_balls(const struct scree_batch *batch) { return batch->geometry == SCREE_BALL_BALL; }
+
+static struct scree_batch *busy_batch(const struct slabs *all, int k) {
+    return &all->contacts->batch[all->contacts->busy[k]];
+}
+
+/* Slabs in one strip, where contacts are of several batches or some bodies sleep. */
+static int goes_whole(const struct slabs *all) { return all->bodies->mixed || all->contacts->rest.asleep > 0; }
+
+/* Where the strip that begins with a body ends: so wide that the loop is worth beginning. */
+static int end_of_strip(const struct slabs *all, int slab, int from) {
+    const int *start = &all->bodies->order.start[slab];
+    int width = (start[1] - start[0] + SCREE_STRIPS - 1) / SCREE_STRIPS;
+    int to = from + (width > SCREE_LEAST_STRIP ? width : SCREE_LEAST_STRIP);
+    return to < start[1] && !goes_whole(all) ? to : start[1];
+}
+
+/* Where the piece of a segment ends that goes on at contact `from`: behind those whose first body is before place `to`,
+ * and a block that isn't cut. */
+static int end_of_piece(const struct scree_batch *batch, const struct scree_part *segment, int from, int to) {
+    int end = segment->first + segment->count;
+    while (from < end && scree_first_of(&batch->ends[from]) < to) from += SCREE_LANES;
+    return from < end ? from : end;
+}
+
+/* ---- who waits for what ---- */
+
+/* What a piece touches. */
+static void widen_gate(const struct scree_batch *batch, int from, int to, int end, struct scree_gate *gate) {
+    for (int c = from; c < to; c++) {
+        const struct scree_ends *contact = &batch->ends[c];
+        int later = contact->ball > contact->host ? contact->ball : contact->host, beyond = later >= end;
+        if (!beyond && later > gate->own) gate->own = later;
+        if (beyond && later > gate->next) gate->next = later;
+        if (beyond && later < gate->left) gate->left = later;
+    }
+}
+
+/* The batch of a slab's contacts of two balls, of which there is one; NULL: there are no contacts. */
+static const struct scree_batch *balls_of(const struct slabs *all, int slab) {
+    for (int k = 0; k < all->contacts->busy_batches; k++)
+        if (is_of_balls(busy_batch(all, k)) && busy_batch(all, k)->segment[1 + slab].count) return busy_batch(all, k);
+    return NULL;
+}
+
+/* The gates of a slab's strips, from its list as it is. */
+static void find_gates(const struct slabs *all, int slab) {
+    const int *start = &all->bodies->order.start[slab];
+    const struct scree_batch *batch = balls_of(all, slab);
+    struct scree_gate *gate = all->contacts->gate[slab], so_far = {-1, -1, INT_MAX};
+    int strips = 0, from = batch ? batch->segment[1 + slab].first : 0;
+    for (int place = start[0]; place < start[1]; strips++) {
+        place = end_of_strip(all, slab, place);
+        so_far.left = INT_MAX;
+        if (place - 1 > so_far.own) so_far.own = place - 1; /* the strip's bodies move on */
+        int to = batch ? end_of_piece(batch, &batch->segment[1 + slab], from, place) : from;
+        widen_gate(batch, from, to, start[1], &so_far);
+        gate[strips] = so_far;
+        from = to;
+    }
+    for (int strip = strips - 2; strip >= 0; strip--)
+        if (gate[strip + 1].left < gate[strip].left) gate[strip].left = gate[strip + 1].left;
+    all->contacts->gated[slab] = 1;
+}
+
+/* Until a slab has passed a place by: for a short while without asking the system. */
+static void wait_for(const atomic_int *front, int place) {
+    enum { TRIES = 256 };
+    for (int tries = 0; atomic_load_explicit(front, memory_order_acquire) <= place; tries++)
+        if (tries >= TRIES) sched_yield();
+}
+
+static void wait_at(struct slabs *all, int slab, struct scree_gate gate) {
+    if (!begins_stretch(slab)) wait_for(&all->front[slab - 1].next, gate.own);
+    if (ends_stretch(all, slab)) wait_for(&all->front[slab + 1].own, gate.next);
+}
+
+static void tell(struct slabs *all, int slab, int own, int next) {
+    atomic_store_explicit(&all->front[slab].next, next, memory_order_release);
+    atomic_store_explicit(&all->front[slab].own, own, memory_order_release);
+}
+
+/* ---- one slab ---- */
+
+/* Contacts of a slab, batch after batch: of two balls, or of what isn't one (a flank). */
+static void act_batches(const struct slabs *all, int slab, int of_balls, struct scree_tally *tally) {
+    for (int k = 0; k < all->contacts->busy_batches; k++) {
+        const struct scree_batch *batch = busy_batch(all, k);
+        const struct scree_part *segment = &batch->segment[1 + slab];
+        if (is_of_balls(batch) != of_balls || !segment->count) continue;
+        if (all->contacts->rest.asleep > 0)
+            scree_rest_act(all->contacts, all->bodies, batch, segment, all->step, tally);
+        else
+            all->work(all->argument, all->contacts, all->bodies, batch, segment->first, segment->count, all->step,
+                      tally, NULL);
+    }
+}
+
+/* Members before place `to` have all their impulses: on they go; `lent`: those that wait, or (`only`) those that have
+ * waited. */
+static void move_up(const struct slabs *all, int from, int to, const unsigned char *lent, int only,
+                    struct scree_tally *tally) {
+    if (all->go && from < to) tally->too_far |= all->contacts->loop->move(all->bodies, from, to, all->go, lent, only);
+}
+
+/* Up to where the bodies lent by the next slab have all their impulses, too: no contact to come touches them, and that
+ * slab has passed them by. */
+static int end_of_lent(struct scree_gate gate, int left) { return left <= gate.next ? left : gate.next + 1; }
+
+static void act_strips(struct slabs *all, int slab, const unsigned char *lent, struct scree_tally *tally) {
+    const int *start = &all->bodies->order.start[slab];
+    const struct scree_batch *batch = balls_of(all, slab);
+    const struct scree_part none = {0}, *segment = batch ? &batch->segment[1 + slab] : &none;
+    const struct scree_gate *gate = all->contacts->gate[slab];
+    struct scree_trail trail = {0, 0};
+    int from = segment->first, returned = start[1];
+    if (!all->contacts->gated[slab]) find_gates(all, slab);
+    for (int place = start[0], to; place < start[1]; place = to, gate++) {
+        to = end_of_strip(all, slab, place);
+        int next = batch ? end_of_piece(batch, segment, from, to) : from, left = to < start[1] ? gate[1].left : INT_MAX;
+        trail.behind = segment->first + segment->count - next;
+        wait_at(all, slab, *gate);
+        if (next > from)
+            all->work(all->argument, all->contacts, all->bodies, batch, from, next - from, all->step, tally, &trail);
+        from = next;
+        move_up(all, place, to, lent, 0, tally);
+        tell(all, slab, to, left);
+        if (!ends_stretch(all, slab) || end_of_lent(*gate, left) <= returned) continue;
+        move_up(all, returned, end_of_lent(*gate, left), all->contacts->lent, 1, tally);
+        returned = end_of_lent(*gate, left);
+    }
+}
+
+static void act_whole(const struct slabs *all, int slab, const unsigned char *lent, struct scree_tally *tally) {
+    const int *start = &all->bodies->order.start[slab];
+    act_batches(all, slab, 1, tally);
+    move_up(all, start[0], start[1], lent, 0, tally);
+    if (ends_stretch(all, slab)) move_up(all, start[1], start[2], all->contacts->lent, 1, tally);
+}
+
+static void act_slab(struct slabs *all, int slab) {
+    struct scree_contacts *contacts = all->contacts;
+    struct scree_tally *tally = &contacts->tally[1 + slab];
+    const unsigned char *lent = slab > 0 && begins_stretch(slab) ? contacts->lent : NULL;
+    *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1, 0};
+    if (begins_stretch(slab)) act_batches(all, slab, 0, tally);
+    if (slab + 1 < all->slabs && !begins_stretch(slab + 1)) act_batches(all, slab + 1, 0, tally);
+    if (goes_whole(all))
+        act_whole(all, slab, lent, tally);
+    else
+        act_strips(all, slab, lent, tally);
+    tell(all, slab, INT_MAX, INT_MAX);
+    atomic_store(&all->state[slab], DONE);
+}
+
+/* ---- all of them ---- */
+
+/* What slabs have summed up, in their order. */
+static void add_tallies(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    for (int s = 1; s <= bodies->order.slabs; s++) {
+        const struct scree_tally *tally = &contacts->tally[s];
+        contacts->lost_normal += tally->lost_normal;
+        contacts->work_tangential += tally->work_tangential;
+        if (tally->deepest_ball >= 0)
+            scree_note(tally->deepest, bodies, tally->deepest_ball, tally->deepest_host, &contacts->deepest,
+                       &contacts->deepest_ball, &contacts->deepest_host);
+        if (tally->steepest_ball >= 0)
+            scree_note(tally->steepest, bodies, tally->steepest_ball, tally->steepest_host, &contacts->steepest,
+                       &contacts->steepest_ball, &contacts->steepest_host);
+    }
+}
+
+/* Work is shared out by its weight. */
+static double weight_of(const struct slabs *all, int slab) {
+    const int *start = all->bodies->order.start;
+    double work = 0.5 * (start[slab + 1] - start[slab]); /* a body costs about as much as half a contact */
+    for (int k = 0; k < all->contacts->busy_batches; k++) work += busy_batch(all, k)->segment[1 + slab].count;
+    return work;
+}
+
+/* Where the slabs of a thread begin: as much work lies before them as falls to the threads before. */
+static int begin_of(const struct slabs *all, int thread) {
+    const double *work = all->before;
+    double before = work[all->slabs] * thread / all->team;
+    int slab = 0;
+    while (slab < all->slabs && work[slab] + work[slab + 1] < 2.0 * before) slab++;
+    return slab;
+}
+
+/* Slabs of one thread: from … to - 1. */
+struct share {
+    int from, to;
+};
+
+/* Whether a slab may be taken: those that it follows are so far. */
+static int is_ready(const struct slabs *all, int slab, char so_far) {
+    return (begins_stretch(slab) || atomic_load(&all->state[slab - 1]) >= so_far) &&
+           (!ends_stretch(all, slab) || atomic_load(&all->state[slab + 1]) >= so_far);
+}
+
+/* Take a slab if it is ready; `left`: it is not, but there it is. */
+static int take(struct slabs *all, int slab, char so_far, int *left) {
+    char unclaimed = FREE;
+    if (slab < 0 || slab >= all->slabs || atomic_load(&all->state[slab]) != FREE) return 0;
+    *left = 1;
+    return is_ready(all, slab, so_far) && atomic_compare_exchange_strong(&all->state[slab], &unclaimed, TAKEN);
+}
+
+static int take_own(struct slabs *all, struct share own, char so_far, int *left) {
+    for (int slab = own.from; slab < own.to; slab++)
+        if (take(all, slab, so_far, left)) return slab;
+    return -1;
+}
+
+/* One near by, so that the same ones change hands in every step. */
+static int take_others(struct slabs *all, struct share own, char so_far, int *left) {
+    for (int off = 0; off < all->slabs; off++) {
+        if (take(all, own.from - 1 - off, so_far, left)) return own.from - 1 - off;
+        if (take(all, own.to + off, so_far, left)) return own.to + off;
+    }
+    return -1;
+}
+
+/* Take the next slab, an own one, or one of others' shares if the own one is through: one that needn't wait, or else
+ * one that goes strip by strip behind others. Returns -1 if none is ready; `left`: there will be one. */
+static int take_slab(struct slabs *all, struct share own, int *left) {
+    int follows = !goes_whole(all);
+    *left = 0;
+    int slab = take_own(all, own, DONE, left);
+    if (slab < 0 && follows) slab = take_own(all, own, TAKEN, left);
+    if (slab < 0) slab = take_others(all, own, DONE, left);
+    if (slab < 0 && follows) slab = take_others(all, own, TAKEN, left);
+    return slab;
+}
+
+/* What one thread does: its own slabs, which it had the step before, so that bodies stay with it; then what is left of
+ * others'. So nobody waits for a slow neighbour. */
+static void share_slabs(struct slabs *all, struct share own) {
+    for (int left = 1; left;) {
+        int slab = take_slab(all, own, &left);
+        if (slab >= 0)
+            act_slab(all, slab);
+        else if (left)
+            sched_yield();
+    }
+}
+
+static void act_slabs(struct slabs *all) {
+    int team = all->team;
+    for (int slab = 0; slab < all->slabs; slab++) all->before[slab + 1] = all->before[slab] + weight_of(all, slab);
+    if (team > 1) {
+#pragma omp parallel for schedule(static) num_threads(team)
+        for (int thread = 0; thread < team; thread++)
+            share_slabs(all, (struct share){begin_of(all, thread), begin_of(all, thread + 1)});
+    } else {
+        share_slabs(all, (struct share){0, all->slabs});
+    }
+}
+
+int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                            scree_segment_work *work, void *argument, const struct scree_departure *go) {
+    int slabs = bodies->order.slabs, too_far = 0;
+    struct slabs all = {.contacts = contacts,
+                        .bodies = bodies,
+                        .step = step,
+                        .work = work,
+                        .argument = argument,
+                        .go = go,
+                        .slabs = slabs,
+                        .team = threads < slabs ? threads : slabs};
+    if (slabs) act_slabs(&all);
+    add_tallies(contacts, bodies);
+    for (int s = 1; s <= slabs; s++) too_far |= contacts->tally[s].too_far;
+    return too_far;
+}
