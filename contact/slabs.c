@@ -308,6 +308,7 @@ static void act_slabs(struct slabs *all) {
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go) {
     int slabs = bodies->order.slabs, too_far = 0;
+    if (!slabs) return 0;
     struct slabs all = {.contacts = contacts,
                         .bodies = bodies,
                         .step = step,
@@ -316,7 +317,7 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
                         .go = go,
                         .slabs = slabs,
                         .team = threads < slabs ? threads : slabs};
-    if (slabs) act_slabs(&all);
+    act_slabs(&all);
     add_tallies(contacts, bodies);
     for (int s = 1; s <= slabs; s++) too_far |= contacts->tally[s].too_far;
     return too_far;
