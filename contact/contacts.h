@@ -595,8 +595,8 @@ static inline int scree_first_of(const struct scree_ends *contact) {
     return contact->ball < contact->host ? contact->ball : contact->host;
 }
 
-/* Work off the segments of the slabs by as many threads, piece by piece (slabs.c); tallies are added up. `trail`: NULL
- * where a segment goes as a whole; `go`: NULL where nobody moves. Returns 1 if a body that moved ahead has outgrown its
+/* Work off the segments of the slabs by as many threads, piece by piece (slabs.c); tallies are added up. `trail`: from
+ * piece to piece of a segment; `go`: NULL where nobody moves. Returns 1 if a body that moved ahead has outgrown its
  * margin. */
 typedef void scree_segment_work(void *argument, struct scree_contacts *contacts, struct scree_bodies *bodies,
                                 const struct scree_batch *batch, int first, int count, double step,
@@ -640,18 +640,6 @@ static inline struct vec scree_flown(const struct scree_contacts *contacts, cons
                                      int j) {
     if (!bodies->flight) return vec(0.0, 0.0, 0.0);
     return vec_scale(contacts->flights.ahead, vec_sub(scree_flight_of(bodies, i), scree_flight_of(bodies, j)));
-}
-
-/* Where a pair was half a step ago, on its flights, and the way from there. What has parted since then acts in the step
- * still (scree_share_of); it has parted by less than its flights lead apart in that time and both bodies may still go,
- * but for `bend`. */
-static inline struct vec scree_begin_flight(const struct scree_contacts *contacts, struct vec apart,
-                                            struct vec *flown) {
-    double back =
-        flown->x != 0.0 || flown->y != 0.0 || flown->z != 0.0 ? 0.5 * contacts->step / contacts->flights.ahead : 0.0;
-    struct vec from = vec_axpy(apart, -back, *flown);
-    *flown = vec_scale(1.0 + back, *flown);
-    return from;
 }
 
 /* The square of the least distance on the way, from `apart` on. */

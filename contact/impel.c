@@ -112,9 +112,7 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
     const struct stride *stride = context;
     struct scree_yield yield;
     struct scree_moments moments;
-    struct scree_trail whole = {0, 0};
     int hosts = batch->geometry == SCREE_BALL_BALL;
-    if (!trail) trail = &whole;
     for (int left = all, count; left > 0; left -= count, first += count) {
         count = left < SCREE_LANES ? left : SCREE_LANES;
         call_ahead(bodies, stride->now, batch, first + count, left - count + trail->behind, &trail->called);

@@ -250,9 +250,7 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     const struct scree_ends *own = batch->ends + first;
     struct scree_contact contact[SCREE_LANES];
     struct work w = work_on(contacts, bodies, batch, first, step);
-    struct scree_trail whole = {0, 0};
     int deeds = deeds_of(batch, w.rule, batch->turns), turn = 0; /* of slabs: no corners */
-    if (!trail) trail = &whole;
     find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
     for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;

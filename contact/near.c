@@ -47,6 +47,18 @@ static int sees_edges(struct sight *sight, const struct scree_bodies *bodies, co
     return sight->next < sight->count && sight->code[sight->next] == contact->corner;
 }
 
+/* Where a pair was half a step ago, on its flights, and the way from there. What has parted since then acts in the step
+ * still (scree_share_of); it has parted by less than its flights lead apart in that time and both bodies may still go,
+ * but for `bend`. */
+static SCREE_INLINE struct vec begin_flight(const struct scree_contacts *contacts, struct vec apart,
+                                            struct vec *flown) {
+    double back =
+        flown->x != 0.0 || flown->y != 0.0 || flown->z != 0.0 ? 0.5 * contacts->step / contacts->flights.ahead : 0.0;
+    struct vec from = vec_axpy(apart, -back, *flown);
+    *flown = vec_scale(1.0 + back, *flown);
+    return from;
+}
+
 /* Whether a contact may touch before its bodies have gone `left`, both together. */
 static int is_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                    const struct scree_batch *batch, const struct scree_contact *contact, double left,
@@ -55,7 +67,7 @@ static int is_near(const struct scree_contacts *contacts, const struct scree_bod
     struct vec flown = scree_flown(contacts, bodies, contact->ball, contact->host);
     if (batch->geometry == SCREE_EDGE_EDGE) return sees_edges(sight, bodies, contact, left);
     if (batch->geometry == SCREE_BALL_IMAGE) {
-        struct vec from = scree_begin_flight(contacts, scree_apart(bodies, contact, SCREE_BALL_IMAGE), &flown);
+        struct vec from = begin_flight(contacts, scree_apart(bodies, contact, SCREE_BALL_IMAGE), &flown);
         double gap = sqrt(scree_nearest2(from, flown)) - ball->radius - host->radius;
         return gap <= left + contacts->flights.bend;
     }
@@ -71,7 +83,7 @@ static SCREE_INLINE void put_spheres(const struct scree_contacts *contacts, cons
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     double left = scree_left_of(contacts, bodies, contact->ball, contact->host) + contacts->flights.bend;
     struct vec flown = scree_flown(contacts, bodies, contact->ball, contact->host);
-    struct vec from = scree_begin_flight(contacts, vec_sub(vec_from(ball->x), vec_from(host->x)), &flown);
+    struct vec from = begin_flight(contacts, vec_sub(vec_from(ball->x), vec_from(host->x)), &flown);
     scree_put_approach(to, k, from, flown, ball->radius + host->radius + left);
 }
 

@@ -34,9 +34,9 @@ struct slabs {
     void *argument;
     const struct scree_departure *go; /* NULL: bodies stay where they are */
     int slabs, team;                  /* so many threads share them */
-    double before[SCREE_SLABS + 1];   /* work of the slabs before each */
-    atomic_char state[SCREE_SLABS];
-    struct front front[SCREE_SLABS];
+    double *before;                   /* work of the slabs before each, where there are several threads */
+    atomic_char *state;               /* of each slab */
+    struct front *front;
 };
 
 static int begins_stretch(int slab) { return slab % SCREE_STRETCH == 0; }
@@ -140,7 +140,7 @@ static void act_batches(const struct slabs *all, int slab, int of_balls, struct 
             scree_rest_act(all->contacts, all->bodies, batch, segment, all->step, tally);
         else
             all->work(all->argument, all->contacts, all->bodies, batch, segment->first, segment->count, all->step,
-                      tally, NULL);
+                      tally, &(struct scree_trail){0, 0});
     }
 }
 
@@ -295,8 +295,14 @@ static void share_slabs(struct slabs *all, struct share own) {
 
 static void act_slabs(struct slabs *all) {
     int team = all->team;
-    for (int slab = 0; slab < all->slabs; slab++) all->before[slab + 1] = all->before[slab] + weight_of(all, slab);
+    for (int slab = 0; slab < all->slabs; slab++) {
+        atomic_init(&all->state[slab], FREE);
+        atomic_init(&all->front[slab].own, 0);
+        atomic_init(&all->front[slab].next, 0);
+    }
     if (team > 1) {
+        all->before[0] = 0.0;
+        for (int slab = 0; slab < all->slabs; slab++) all->before[slab + 1] = all->before[slab] + weight_of(all, slab);
 #pragma omp parallel for schedule(static) num_threads(team)
         for (int thread = 0; thread < team; thread++)
             share_slabs(all, (struct share){begin_of(all, thread), begin_of(all, thread + 1)});
@@ -309,6 +315,10 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
                             scree_segment_work *work, void *argument, const struct scree_departure *go) {
     int slabs = bodies->order.slabs, too_far = 0;
     if (!slabs) return 0;
+    struct front
+        front[SCREE_SLABS]; /* as many as there are slabs are set: to clear all takes as long as some contacts */
+    atomic_char state[SCREE_SLABS];
+    double before[SCREE_SLABS + 1];
     struct slabs all = {.contacts = contacts,
                         .bodies = bodies,
                         .step = step,
@@ -316,6 +326,9 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
                         .argument = argument,
                         .go = go,
                         .slabs = slabs,
+                        .before = before,
+                        .state = state,
+                        .front = front,
                         .team = threads < slabs ? threads : slabs};
     act_slabs(&all);
     add_tallies(contacts, bodies);
