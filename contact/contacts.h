@@ -326,7 +326,8 @@ struct scree_flights {
 };
 
 struct scree_contacts {
-    const struct scree_loop *loop, *loop_for_few; /* for this processor */
+    const struct scree_loop *loop, *loop_for_few; /* for this processor; */
+    int halves;                                   /* whether it halves vectors: the loop adds to bodies another way */
     int materials;
     int rules;
     struct scree_rule *rule;

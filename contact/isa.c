@@ -46,3 +46,11 @@ const struct scree_loop *scree_choose_loop_for_few(void) {
     return choose(0);
 #endif
 }
+
+int scree_halves_vectors(void) {
+#ifdef SCREE_HAS_AVX512
+    return __builtin_cpu_is("amdfam19h");
+#else
+    return 0;
+#endif
+}

@@ -41,6 +41,9 @@ const struct scree_loop *scree_choose_loop(void);
 /* The same for some few contacts, with which vectors of eight would be half empty and are slower to divide. */
 const struct scree_loop *scree_choose_loop_for_few(void);
 
+/* Whether this processor has AVX-512 but takes vectors of eight in two halves (Zen 4). */
+int scree_halves_vectors(void);
+
 #ifdef SCREE_LOOP /* the loop that is being compiled: its parts in other files */
 #define SCREE_PART_OF(loop, part)   loop##_##part
 #define SCREE_NAME_PART(loop, part) SCREE_PART_OF(loop, part)

@@ -143,7 +143,7 @@ static SCREE_INLINE void make_kicks(const struct block *b, int count, double ste
 #if defined __AVX512F__
 /* The bodies of some contacts by their places, and where their sums begin: with what is in memory, or with nothing
  * where the contact before was one of the same body, so that its sum is at hand. Contacts of a body follow each other
- * where it comes first, and would wait for each other's stores. (With rows of four it doesn't pay.) */
+ * where it comes first, and would wait for each other's stores. */
 struct pairs {
     _Alignas(64) struct scree_record *first[WIDTH], *other[WIDTH];
     const struct scree_record *from[WIDTH];
@@ -168,30 +168,55 @@ static SCREE_INLINE wide_bits pair_up(const struct ends *ends, int lane, wide_bi
     return turned & INT64_MIN;
 }
 
-/* Two balls that turn by the same lever: in one go from columns to bodies. */
-static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block *b, int count, double step) {
-    const wide_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN, 0, 0, 0, 0};
+/* Impulses and angular impulses of two balls that turn by the same lever, as columns. */
+static SCREE_INLINE void kick_evenly(const struct block *b, int lane, double step, wide_row r[8]) {
     const wide_row none = {0.0};
+    wide_row n[3], force = *(const wide_row *)&b->force[lane], lever = *(const wide_row *)&b->lever[0][lane];
+    for (int i = 0; i < 3; i++) {
+        n[i] = *(const wide_row *)&b->n[i][lane];
+        r[i] = (none + step) * (force * n[i] + *(const wide_row *)&b->friction[i][lane]);
+    }
+    r[3] = r[7] = none;
+    r[4] = lever * (n[2] * r[1] - n[1] * r[2]);
+    r[5] = lever * (n[0] * r[2] - n[2] * r[0]);
+    r[6] = lever * (n[1] * r[0] - n[0] * r[1]);
+}
+
+/* The impulse with the other sign is the host's. */
+static SCREE_INLINE wide_row on_other(wide_row kick) {
+    const wide_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN, 0, 0, 0, 0};
+    return (wide_row)((wide_bits)kick ^ sign);
+}
+
+/* In one go from columns to bodies. Of a processor that takes such vectors in two halves (scree_halves_vectors), stores
+ * are less in a hurry than what spares the waiting for them. */
+static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block *b, int count, double step) {
+    for (int lane = 0; lane < count; lane += WIDTH) {
+        wide_row r[8];
+        kick_evenly(b, lane, step, r);
+        transpose_wide(r);
+        for (int i = 0; i < WIDTH && lane + i < count; i++) {
+            *(wide_row *)ends->ball[lane + i]->f += r[i];
+            *(wide_row *)ends->host[lane + i]->f += on_other(r[i]);
+        }
+    }
+}
+
+/* The same, with the sums of first bodies at hand. */
+static SCREE_INLINE void push_in_hand(const struct ends *ends, const struct block *b, int count, double step) {
     struct pairs pairs;
     wide_bits before = {0};
-    wide_row sum = none;
+    wide_row sum = {0.0};
     for (int lane = 0; lane < count; lane += WIDTH) {
-        wide_row n[3], r[8], force = *(const wide_row *)&b->force[lane], lever = *(const wide_row *)&b->lever[0][lane];
+        wide_row r[8];
         wide_bits turned = pair_up(ends, lane, &before, &pairs);
-        for (int i = 0; i < 3; i++) {
-            n[i] = *(const wide_row *)&b->n[i][lane];
-            r[i] = (none + step) * (force * n[i] + *(const wide_row *)&b->friction[i][lane]);
-        }
-        r[3] = r[7] = none;
-        r[4] = lever * (n[2] * r[1] - n[1] * r[2]);
-        r[5] = lever * (n[0] * r[2] - n[2] * r[0]);
-        r[6] = lever * (n[1] * r[0] - n[0] * r[1]);
+        kick_evenly(b, lane, step, r);
         for (int i = 0; i < 3; i++) r[i] = (wide_row)((wide_bits)r[i] ^ turned);
         transpose_wide(r);
         for (int i = 0; i < WIDTH && lane + i < count; i++) {
             sum = (wide_row)(((wide_bits)sum & pairs.again[i]) | *(const wide_bits *)pairs.from[i]->f) + r[i];
             *(wide_row *)pairs.first[i]->f = sum;
-            *(wide_row *)pairs.other[i]->f += (wide_row)((wide_bits)r[i] ^ sign);
+            *(wide_row *)pairs.other[i]->f += on_other(r[i]);
         }
     }
 }
@@ -286,14 +311,18 @@ static SCREE_INLINE void push_as(const struct ends *ends, const struct block *b,
 }
 
 static void push(const struct ends *ends, const struct block *b, int count, const struct scree_batch *batch, int deeds,
-                 int even, double step) {
+                 int even, int halves, double step) {
 #ifdef __AVX512F__
     if (even && deeds == (RUBS | TURNS | BALLS)) {
-        push_evenly(ends, b, count, step);
+        if (halves)
+            push_evenly(ends, b, count, step);
+        else
+            push_in_hand(ends, b, count, step);
         return;
     }
 #endif
     (void)even;
+    (void)halves;
     int hosts = batch->geometry == SCREE_BALL_BALL;
 #define PUSH(constant) push_as(ends, b, count, hosts, constant, step)
     FOR_DEEDS(deeds, PUSH)
