@@ -67,7 +67,7 @@ struct stride {
 /* Bodies lie in the order in which contacts come to them: they are asked for so many places ahead, partners that lie
  * farther by themselves, and what is kept of contacts some blocks ahead (as in loop.c). Fewer than MANY stay in the
  * caches. */
-enum { AHEAD = 96, BLOCKS_AHEAD = 3, MANY = 8192 };
+enum { AHEAD = 96, BLOCKS_AHEAD = 3, MANY = 16384 };
 
 static SCREE_INLINE void call_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
     SCREE_CALL(bodies->record, k, k + 1);

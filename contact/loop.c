@@ -281,6 +281,7 @@ const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX],
                                       act_straight,
                                       move,
                                       SCREE_PART(impel),
+                                      SCREE_PART(impel_few),
                                       SCREE_PART(add_up),
                                       SCREE_PART(look_both),
                                       SCREE_PART(advance_by_moments)};

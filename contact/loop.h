@@ -22,6 +22,10 @@ struct scree_loop {
     uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
                       struct scree_moments *moments);
+    /* The same of those in some lanes, drawn together. */
+    uint32_t (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                          const struct scree_batch *batch, int first, const int *lane, int count, double step,
+                          struct scree_yield *yield, struct scree_moments *moments);
     /* Impulses of a block of them and their first moments into the bodies. */
     void (*add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                    struct scree_yield *yield, struct scree_moments *moments);
@@ -51,6 +55,9 @@ int scree_halves_vectors(void);
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments);
+uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                               const struct scree_batch *batch, int first, const int *lane, int count, double step,
+                               struct scree_yield *yield, struct scree_moments *moments);
 void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                         struct scree_yield *yield, struct scree_moments *moments);
 int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],

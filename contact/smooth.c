@@ -344,14 +344,21 @@ static void begin_smooth(const struct smooth_work *w, const int *index, int coun
     s->x.by_clock = 0;
 }
 
+static struct smooth_work work_on(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                                  const struct scree_batch *batch, int first, double step) {
+    int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE;
+    return (struct smooth_work){now, batch, smooth_pass_of(contacts, batch, first, step), first, balls};
+}
+
 /* Some of the lanes, drawn together, past whatever happens to them. Returns those that are left to within.c. */
-static uint32_t impel_few(const struct smooth_work *w, const int *lane, int count, struct scree_yield *yield,
-                          struct scree_moments *moments) {
+uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                               const struct scree_batch *batch, int first, const int *lane, int count, double step,
+                               struct scree_yield *yield, struct scree_moments *moments) {
+    const struct smooth_work work = work_on(contacts, now, batch, first, step), *w = &work;
     struct smooth_block s;
     struct scree_yield few;
     struct scree_moments few_moments;
     int index[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0;
-    double step = w->pass.step;
     uint32_t odd = 0;
     for (int i = 0; i < count; i++) index[i] = w->first + lane[i];
     begin_smooth(w, index, count, &s);
@@ -409,11 +416,10 @@ static int sort_out(const struct smooth_work *w, int *lane, int count, struct sc
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments) {
-    enum scree_geometry geometry = batch->geometry;
-    int balls = geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE, lane[SCREE_LANES], lanes = 0, touched = 0;
-    const struct smooth_work work = {now, batch, smooth_pass_of(contacts, batch, first, step), first, balls};
+    const struct smooth_work work = work_on(contacts, now, batch, first, step);
+    int lane[SCREE_LANES], lanes = 0, touched = 0;
     uint32_t odd = 0;
-    if (!work.pass.loops || !(balls || geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
+    if (!work.pass.loops || !(work.balls || batch->geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
     for (int k = 0; k < count; k++) {
         touched += has_touched(batch, first + k);
         if (is_plain(now, &batch->ends[first + k]))
@@ -423,7 +429,9 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
     }
     if (2 * touched >= count && !odd) lanes = impel_straight(&work, count, lane, yield, moments);
     int acting = sort_out(&work, lane, lanes, yield, moments);
-    return acting ? odd | impel_few(&work, lane, acting, yield, moments) : odd;
+    if (!acting) return odd;
+    const struct scree_loop *loop = acting <= 4 ? contacts->loop_for_few : contacts->loop;
+    return odd | loop->impel_few(contacts, now, batch, first, lane, acting, step, yield, moments);
 }
 
 #ifdef __AVX__
