@@ -22,7 +22,7 @@ struct scree_loop {
     uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
                       struct scree_moments *moments);
-    /* The same of those in some lanes, drawn together. */
+    /* The same of those in some of the lanes, drawn together. */
     uint32_t (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                           const struct scree_batch *batch, int first, const int *lane, int count, double step,
                           struct scree_yield *yield, struct scree_moments *moments);

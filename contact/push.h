@@ -188,8 +188,8 @@ static SCREE_INLINE wide_row on_other(wide_row kick) {
     return (wide_row)((wide_bits)kick ^ sign);
 }
 
-/* In one go from columns to bodies. Of a processor that takes such vectors in two halves (scree_halves_vectors), stores
- * are less in a hurry than what spares the waiting for them. */
+/* In one go from columns to bodies. Contacts of one body wait for each other's stores; where the processor takes such
+ * vectors in two halves (scree_halves_vectors), that costs less than what push_in_hand does to avoid it. */
 static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block *b, int count, double step) {
     for (int lane = 0; lane < count; lane += WIDTH) {
         wide_row r[8];
