@@ -52,7 +52,7 @@ scree_status scree_contacts_create(struct scree_contacts *contacts, int bodies, 
                                    const struct scree_rule *rules, int rule_count, scree_trouble *trouble) {
     *contacts = (struct scree_contacts){.loop = scree_choose_loop(),
                                         .loop_for_few = scree_choose_loop_for_few(),
-                                        .halves = scree_halves_vectors(),
+                                        .in_hand = scree_sums_in_hand(),
                                         .materials = materials,
                                         .rules = rule_count,
                                         .deepest_ball = -1,

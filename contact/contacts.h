@@ -327,7 +327,7 @@ struct scree_flights {
 
 struct scree_contacts {
     const struct scree_loop *loop, *loop_for_few; /* for this processor; */
-    int halves;                                   /* whether it halves vectors: the loop adds to bodies another way */
+    int in_hand;                                  /* whether the loop keeps the sums of bodies at hand, there */
     int materials;
     int rules;
     struct scree_rule *rule;

@@ -47,9 +47,9 @@ const struct scree_loop *scree_choose_loop_for_few(void) {
 #endif
 }
 
-int scree_halves_vectors(void) {
+int scree_sums_in_hand(void) {
 #ifdef SCREE_HAS_AVX512
-    return __builtin_cpu_is("amdfam19h");
+    return __builtin_cpu_is("amd") && !__builtin_cpu_is("amdfam19h");
 #else
     return 0;
 #endif

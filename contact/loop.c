@@ -265,7 +265,7 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         call_ahead(bodies, &w, own, to_come, 1, &trail->called);
         press(&w, first + done, here, events, &b);
         call_ahead(bodies, &w, own, to_come, 2, &trail->called);
-        push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, contacts->halves, step);
+        push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, contacts->in_hand, step);
         call_ahead(bodies, &w, own, to_come, 3, &trail->called);
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);

@@ -45,8 +45,9 @@ const struct scree_loop *scree_choose_loop(void);
 /* The same for some few contacts, with which vectors of eight would be half empty and are slower to divide. */
 const struct scree_loop *scree_choose_loop_for_few(void);
 
-/* Whether this processor has AVX-512 but takes vectors of eight in two halves (Zen 4). */
-int scree_halves_vectors(void);
+/* Whether the AVX-512 loop keeps the sums of bodies at hand on this processor: that pays on Zen 5 (a tenth of a step),
+ * and costs as much on Zen 4, which takes vectors of eight in two halves, and on Intel's. */
+int scree_sums_in_hand(void);
 
 #ifdef SCREE_LOOP /* the loop that is being compiled: its parts in other files */
 #define SCREE_PART_OF(loop, part)   loop##_##part

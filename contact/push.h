@@ -188,8 +188,8 @@ static SCREE_INLINE wide_row on_other(wide_row kick) {
     return (wide_row)((wide_bits)kick ^ sign);
 }
 
-/* In one go from columns to bodies. Contacts of one body wait for each other's stores; where the processor takes such
- * vectors in two halves (scree_halves_vectors), that costs less than what push_in_hand does to avoid it. */
+/* In one go from columns to bodies. Contacts of one body wait for each other's stores; on most processors
+ * (scree_sums_in_hand) that costs less than what push_in_hand does to avoid it. */
 static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block *b, int count, double step) {
     for (int lane = 0; lane < count; lane += WIDTH) {
         wide_row r[8];
@@ -311,18 +311,18 @@ static SCREE_INLINE void push_as(const struct ends *ends, const struct block *b,
 }
 
 static void push(const struct ends *ends, const struct block *b, int count, const struct scree_batch *batch, int deeds,
-                 int even, int halves, double step) {
+                 int even, int in_hand, double step) {
 #ifdef __AVX512F__
     if (even && deeds == (RUBS | TURNS | BALLS)) {
-        if (halves)
-            push_evenly(ends, b, count, step);
-        else
+        if (in_hand)
             push_in_hand(ends, b, count, step);
+        else
+            push_evenly(ends, b, count, step);
         return;
     }
 #endif
     (void)even;
-    (void)halves;
+    (void)in_hand;
     int hosts = batch->geometry == SCREE_BALL_BALL;
 #define PUSH(constant) push_as(ends, b, count, hosts, constant, step)
     FOR_DEEDS(deeds, PUSH)

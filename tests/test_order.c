@@ -236,8 +236,8 @@ static void test_same_bits(const char *const *changes, int count, int mixed) {
     free(text);
 }
 
-/* Balls of one size have loops of their own, and processors that halve vectors their own way through these. */
-static uint64_t shaken(const char *isa, int halves) {
+/* Balls of one size have loops of their own, and sums of bodies may be kept at hand there. */
+static uint64_t shaken(const char *isa, int in_hand) {
     setenv("SCREE_ISA", isa, 1);
     scree_scene *scene = scene_from(
         "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
@@ -251,7 +251,7 @@ static uint64_t shaken(const char *isa, int halves) {
     uint64_t seed = 5, hash;
     CHECK(bodies->even > 0.0 && bodies->order.slabs > 2);
     for (int k = bodies->order.members; k < bodies->count; k++) check_draw(&seed, -0.5, 0.5, 3, bodies->state[k].v);
-    scene->contacts.halves = halves;
+    scene->contacts.in_hand = in_hand;
     go(scene, 400);
     CHECK(touching_spheres(scene) > 300);
     hash = scree_scene_hash(scene);
