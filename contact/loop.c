@@ -279,6 +279,7 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
 const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX],
                                       act,
                                       act_straight,
+                                      SCREE_PART(judge),
                                       move,
                                       SCREE_PART(impel),
                                       SCREE_PART(impel_few),

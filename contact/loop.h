@@ -14,6 +14,10 @@ struct scree_loop {
     void (*act_straight)(const struct scree_contacts *contacts, struct scree_bodies *bodies,
                          const struct scree_batch *batch, int first, int count, double step, struct scree_tally *tally,
                          struct scree_trail *trail);
+    /* Which of some pairs of spheres are near (judge.c), a bit for each; those behind the last one repeat one of them,
+     * up to SCREE_LANES. */
+    uint32_t (*judge)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                      const struct scree_contact *pair, int count);
     /* Bodies from … to - 1, free or frozen balls, go on (scree_departure): those that aren't lent, or only those. */
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
                 const unsigned char *lent, int only);
@@ -53,6 +57,8 @@ int scree_sums_in_hand(void);
 #define SCREE_PART_OF(loop, part)   loop##_##part
 #define SCREE_NAME_PART(loop, part) SCREE_PART_OF(loop, part)
 #define SCREE_PART(part)            SCREE_NAME_PART(SCREE_LOOP, part)
+uint32_t SCREE_PART(judge)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                           const struct scree_contact *pair, int count);
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments);

@@ -8,6 +8,7 @@
 #include "bodies/memory.h"
 #include "contact/approach.h"
 #include "contact/columns.h"
+#include "contact/loop.h"
 #include "contact/meet.h"
 
 #include <stdlib.h>
@@ -47,18 +48,6 @@ static int sees_edges(struct sight *sight, const struct scree_bodies *bodies, co
     return sight->next < sight->count && sight->code[sight->next] == contact->corner;
 }
 
-/* Where a pair was half a step ago, on its flights, and the way from there. What has parted since then acts in the step
- * still (scree_share_of); it has parted by less than its flights lead apart in that time and both bodies may still go,
- * but for `bend`. */
-static SCREE_INLINE struct vec begin_flight(const struct scree_contacts *contacts, struct vec apart,
-                                            struct vec *flown) {
-    double back =
-        flown->x != 0.0 || flown->y != 0.0 || flown->z != 0.0 ? 0.5 * contacts->step / contacts->flights.ahead : 0.0;
-    struct vec from = vec_axpy(apart, -back, *flown);
-    *flown = vec_scale(1.0 + back, *flown);
-    return from;
-}
-
 /* Whether a contact may touch before its bodies have gone `left`, both together. */
 static int is_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                    const struct scree_batch *batch, const struct scree_contact *contact, double left,
@@ -67,8 +56,9 @@ static int is_near(const struct scree_contacts *contacts, const struct scree_bod
     struct vec flown = scree_flown(contacts, bodies, contact->ball, contact->host);
     if (batch->geometry == SCREE_EDGE_EDGE) return sees_edges(sight, bodies, contact, left);
     if (batch->geometry == SCREE_BALL_IMAGE) {
-        struct vec from = begin_flight(contacts, scree_apart(bodies, contact, SCREE_BALL_IMAGE), &flown);
-        double gap = sqrt(scree_nearest2(from, flown)) - ball->radius - host->radius;
+        double back = scree_half_step_of(contacts, bodies);
+        struct vec from = vec_axpy(scree_apart(bodies, contact, SCREE_BALL_IMAGE), -back, flown);
+        double gap = sqrt(scree_nearest2(from, vec_scale(1.0 + back, flown))) - ball->radius - host->radius;
         return gap <= left + contacts->flights.bend;
     }
     left += vec_norm(flown); /* in any direction, so also of half a step ago */
@@ -77,22 +67,14 @@ static int is_near(const struct scree_contacts *contacts, const struct scree_bod
     return scree_gap(bodies, contact, left, boxes ? sight->overlap : 0.0) <= left;
 }
 
-/* Two spheres, to be judged without a root: many pairs at once, or one. */
-static SCREE_INLINE void put_spheres(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                     const struct scree_contact *contact, int k, struct scree_approaches *to) {
-    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
-    double left = scree_left_of(contacts, bodies, contact->ball, contact->host) + contacts->flights.bend;
-    struct vec flown = scree_flown(contacts, bodies, contact->ball, contact->host);
-    struct vec from = begin_flight(contacts, vec_sub(vec_from(ball->x), vec_from(host->x)), &flown);
-    scree_put_approach(to, k, from, flown, ball->radius + host->radius + left);
-}
-
+/* The same of two spheres. */
 static int are_near(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                     const struct scree_contact *contact) {
-    struct scree_approaches one;
-    put_spheres(contacts, bodies, contact, 0, &one);
-    scree_judge_approaches(&one, 1);
-    return one.near[0] > 0.0;
+    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+    double left = scree_left_of(contacts, bodies, contact->ball, contact->host) + contacts->flights.bend;
+    return scree_come_near(vec_sub(vec_from(ball->x), vec_from(host->x)),
+                           scree_flown(contacts, bodies, contact->ball, contact->host),
+                           scree_half_step_of(contacts, bodies), ball->radius + host->radius + left);
 }
 
 /* Whatever it is. */
@@ -110,50 +92,6 @@ int scree_contact_is_near(const struct scree_contacts *contacts, const struct sc
     return is_any_near(contacts, bodies, batch, contact, &sight);
 }
 
-/* Some contacts of a segment's outer list, and which of them are near. Chance decides that: so nothing branches on it.
- * The next ones are read ahead, so that their bodies come from memory meanwhile. */
-struct view {
-    struct scree_outer outer;
-    int left; /* to be read */
-    int count, to_come;
-    struct scree_contact contact[SCREE_LANES], next[SCREE_LANES];
-    unsigned char near[SCREE_LANES];
-};
-
-/* So that it is at hand when the next ones are looked over: where a body is, and its path. Inlined: a function that
- * does nothing but ask is none to a compiler that looks for effects. */
-static SCREE_INLINE void call(const struct scree_bodies *bodies, int k) {
-    __builtin_prefetch(bodies->record[k].x);
-    __builtin_prefetch(&bodies->path[k]);
-}
-
-static void read_ahead(const struct scree_bodies *bodies, struct view *view) {
-    view->to_come = view->left < SCREE_LANES ? view->left : SCREE_LANES;
-    view->left -= view->to_come;
-    for (int k = 0; k < view->to_come; k++) {
-        view->next[k] = scree_next_outer(&view->outer);
-        call(bodies, view->next[k].ball);
-        call(bodies, view->next[k].host);
-    }
-}
-
-/* The next ones. */
-static void look_over(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                      const struct scree_batch *batch, struct sight *sight, struct view *view) {
-    view->count = view->to_come;
-    memcpy(view->contact, view->next, (size_t)view->count * sizeof *view->next);
-    read_ahead(bodies, view);
-    if (batch->geometry == SCREE_BALL_BALL && !batch->corners) {
-        struct scree_approaches pairs;
-        for (int k = 0; k < view->count; k++) put_spheres(contacts, bodies, &view->contact[k], k, &pairs);
-        scree_judge_approaches(&pairs, view->count);
-        for (int k = 0; k < view->count; k++) view->near[k] = pairs.near[k] > 0.0;
-        return;
-    }
-    for (int k = 0; k < view->count; k++)
-        view->near[k] = (unsigned char)is_any_near(contacts, bodies, batch, &view->contact[k], sight);
-}
-
 static int compare_with(const struct scree_batch *batch, int k, const struct scree_contact *other, int segment) {
     struct scree_contact own = scree_contact_at(batch, k);
     return scree_compare_contacts(&own, other, segment);
@@ -163,20 +101,12 @@ static int compare_with(const struct scree_batch *batch, int k, const struct scr
 static int pick(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                 const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
-    if (segment->outer_count == 0) return 0;
     int count = 0, before = 0;
-    struct sight sight;
-    struct view view;
-    sight.ball = sight.host = -1;
-    view.outer = scree_outer_of(batch, s);
-    view.left = segment->outer_count;
-    read_ahead(bodies, &view);
+    struct sight sight = {.ball = -1, .host = -1};
+    struct scree_outer outer = scree_outer_of(batch, s);
     for (int k = 0; k < segment->outer_count; k++) {
-        int lane = k % SCREE_LANES;
-        if (lane == 0) look_over(contacts, bodies, batch, &sight, &view);
-        const struct scree_contact one = view.contact[lane];
-        int near = view.near[lane];
-        int order = -1;
+        const struct scree_contact one = scree_next_outer(&outer);
+        int near = is_any_near(contacts, bodies, batch, &one, &sight), order = -1;
         while (before < segment->count && (order = compare_with(batch, segment->first + before, &one, s)) < 0) before++;
         int same = before < segment->count && order == 0;
         if (same & !near) near = scree_keeps_something(batch, segment->first + before);
@@ -186,6 +116,79 @@ static int pick(const struct scree_contacts *contacts, const struct scree_bodies
         before += same;
     }
     return count;
+}
+
+/* ---- pairs of spheres, of which slabs have many ---- */
+
+/* So that it is at hand when the next ones are looked over: where a body is, and its path. Inlined: a function that
+ * does nothing but ask is none to a compiler that looks for effects. */
+static SCREE_INLINE void call(const struct scree_bodies *bodies, int k) {
+    __builtin_prefetch(bodies->record[k].x);
+    __builtin_prefetch(&bodies->path[k]);
+}
+
+/* The next ones of the outer list, of which `left` are left; those behind them repeat the first. Returns how many. */
+static int read_ahead(const struct scree_bodies *bodies, struct scree_outer *outer, int left,
+                      struct scree_contact pair[SCREE_LANES]) {
+    int count = left < SCREE_LANES ? left : SCREE_LANES;
+    struct scree_outer at = *outer;
+    for (int k = 0; k < count; k++) {
+        pair[k] = scree_next_outer(&at);
+        call(bodies, pair[k].ball);
+        call(bodies, pair[k].host);
+    }
+    *outer = at;
+    for (int k = count; count && k < SCREE_LANES; k++) pair[k] = pair[0];
+    return count;
+}
+
+/* The near ones into the scratch: chance decides which, so nothing branches on it. The next ones are read ahead, so
+ * that their bodies come from memory meanwhile. Returns how many. */
+static int sift(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
+    struct scree_outer outer = scree_outer_of(batch, s);
+    struct scree_contact pair[2][SCREE_LANES];
+    int left = batch->segment[s].outer_count, count = 0, here = read_ahead(bodies, &outer, left, pair[0]);
+    for (int turn = 0; here > 0; turn = !turn) {
+        left -= here;
+        int next = read_ahead(bodies, &outer, left, pair[!turn]);
+        uint32_t near = contacts->loop->judge(contacts, bodies, pair[turn], here);
+        struct scree_contact *to = scratch->contact + count;
+        for (int k = 0; k < here; k++, near >>= 1) {
+            *to = pair[turn][k];
+            to += near & 1;
+        }
+        count = (int)(to - scratch->contact);
+        here = next;
+    }
+    return count;
+}
+
+/* Where each of them was before. Returns 0 if one that was, and isn't near, keeps something. */
+static int find_again(const struct scree_batch *batch, int s, int count, struct scree_scratch *scratch) {
+    const struct scree_part *segment = &batch->segment[s];
+    int before = segment->first, end = before + segment->count, kept = 0;
+    for (int k = 0; k < count; k++) {
+        int order = -1;
+        while (before < end && (order = compare_with(batch, before, &scratch->contact[k], s)) < 0)
+            kept |= scree_keeps_something(batch, before++);
+        int same = before < end && order == 0;
+        scratch->from[k] = same ? before - segment->first : -1;
+        before += same;
+    }
+    while (before < end) kept |= scree_keeps_something(batch, before++);
+    return !kept;
+}
+
+/* Few contacts hold beyond the touch: where one does, all are looked at one by one. */
+static int pick_any(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                    const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
+    if (batch->segment[s].outer_count == 0) return 0;
+    if (s > 0 && batch->geometry == SCREE_BALL_BALL && !batch->corners) {
+        int count = sift(contacts, bodies, batch, s, scratch);
+        if (find_again(batch, s, count, scratch)) return count;
+    }
+    return pick(contacts, bodies, batch, s, scratch);
 }
 
 /* A column from the places of the old list to those of the new one: those that go on move together, then apart. `size`
@@ -217,7 +220,7 @@ static void move_columns(struct scree_batch *batch, const struct scree_part *seg
 static int renew(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct scree_batch *batch,
                  int s, struct scree_scratch *scratch) {
     struct scree_part *segment = &batch->segment[s];
-    int count = pick(contacts, bodies, batch, s, scratch);
+    int count = pick_any(contacts, bodies, batch, s, scratch);
     if (scree_padded(count) > segment->capacity) return count;
     move_columns(batch, segment, count, scratch->from);
     for (int k = 0; k < count; k++) scree_put_contact(batch, segment->first + k, scratch->contact[k]);

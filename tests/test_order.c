@@ -318,6 +318,36 @@ static void test_gates(void) {
     scree_scene_destroy(scene);
 }
 
+/* What holds beyond the touch stays in the near lists of slabs, though its bodies have come to rest and what is left to
+ * them is less than its gap; so does what it keeps. */
+static void test_held_beyond_margins(void) {
+    scree_scene *scene = scene_from(
+        "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
+        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
+        "normal = { law = \"jkr\", modulus = 3e7, adhesion = 20.0 }\n"
+        "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.0102\njitter = 4e-5\n"
+        "min = [0, 0, 0]\nmax = [0.172, 0.093, 0.093]\nmaterial = \"ball\"\nseed = 3\n",
+        NULL, 0, 1);
+    struct scree_bodies *bodies = &scene->bodies;
+    struct scree_contacts *contacts = &scene->contacts;
+    const struct scree_batch *batch = contacts->batch;
+    uint64_t seed = 5;
+    for (int k = bodies->order.members; k < bodies->count; k++) check_draw(&seed, -0.5, 0.5, 3, bodies->record[k].v);
+    CHECK(scree_contacts_renew(contacts, bodies, 1, NULL) == SCREE_OK);
+    int listed = batch->count, far = 0, held = 0;
+    for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) batch->kept[SCREE_KEPT_NORMAL + 1][k] = 1.0;
+    for (int k = bodies->order.members; k < bodies->count; k++) memset(bodies->record[k].v, 0, 3 * sizeof(double));
+    CHECK(scree_contacts_renew(contacts, bodies, 1, NULL) == SCREE_OK);
+    for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k)) {
+        struct scree_contact contact = scree_contact_at(batch, k);
+        far += !scree_contact_is_near(contacts, bodies, batch, &contact);
+        held += batch->kept[SCREE_KEPT_NORMAL + 1][k] == 1.0;
+    }
+    CHECK(bodies->order.slabs > 2 && batch->geometry == SCREE_BALL_BALL && batch->segment[0].count == 0);
+    CHECK(listed > 1000 && far > 1000 && held == listed && batch->count == listed);
+    scree_scene_destroy(scene);
+}
+
 /* Fast balls may meet others from slabs that aren't neighbours. Such contacts belong to segment 0, whoever finds them:
  * it is the same for any number of threads. */
 static void test_strays(void) {
@@ -624,6 +654,7 @@ int main(void) {
     test_same_bits(pair_impulse, 2, 0);
     test_one_size();
     test_gates();
+    test_held_beyond_margins();
     test_strays();
     test_flights();
     test_stop();
