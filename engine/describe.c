@@ -197,9 +197,10 @@ static void describe_adaptive(const scree_scene *scene, FILE *file) {
         fprintf(file, "  nothing can touch\n");
         return;
     }
-    fprintf(file, "  shortest contact: %.4g s, \"%s\" with \"%s\", of impacts up to %.4g m/s (%s)\n", choice->duration,
-            body_name(scene, choice->shortest_pair[0]).text, body_name(scene, choice->shortest_pair[1]).text,
-            choice->speed, choice->speed_given ? "given" : "estimated");
+    fprintf(file, "  the shortest contact lasts %.4g s: \"%s\" with \"%s\", at impacts of up to %.4g m/s (%s)\n",
+            choice->duration, body_name(scene, choice->shortest_pair[0]).text,
+            body_name(scene, choice->shortest_pair[1]).text, choice->speed,
+            choice->speed_given ? "given" : "estimated");
 }
 
 static void describe_step(const scree_scene *scene, FILE *file) {
@@ -233,7 +234,7 @@ static void describe_step(const scree_scene *scene, FILE *file) {
         fprintf(file, "  nothing can touch\n");
         return;
     }
-    fprintf(file, "  shortest contact: %.4g s (%.3g steps), \"%s\" with \"%s\"\n", choice->duration,
+    fprintf(file, "  the shortest contact lasts %.4g s (%.3g steps): \"%s\" with \"%s\"\n", choice->duration,
             choice->duration / choice->step, body_name(scene, choice->shortest_pair[0]).text,
             body_name(scene, choice->shortest_pair[1]).text);
     fprintf(file, "  stable up to: %.4g s, \"%s\" with \"%s\"%s\n", choice->limit,

@@ -46,16 +46,35 @@ scree_status scree_read_toml(const char *path, const char *const *assignments, i
 
 /* ---- typed access ---- */
 
+static int is_among(const char *key, const char *const *keys) {
+    while (*keys && strcmp(*keys, key) != 0) keys++;
+    return *keys != NULL;
+}
+
+/* The command that a file is for, told by a key that this one doesn't know; NULL: by none. */
+static const char *command_for(const struct scree_toml *root, const char *const *keys) {
+    static const char *const own[][2] = {
+        {"transport", "plan"}, {"drive", "plan"},   {"parameter", "fit"}, {"experiment", "fit"}, {"gravity", "run"},
+        {"time", "run"},       {"material", "run"}, {"contact", "run"},   {"spheres", "run"},    {"generate", "run"}};
+    for (const struct scree_toml *child = root->first; child; child = child->next)
+        for (size_t k = 0; !is_among(child->key, keys) && k < sizeof own / sizeof *own; k++)
+            if (strcmp(child->key, own[k][0]) == 0) return own[k][1];
+    return NULL;
+}
+
 /* Every key of `table` is one of `keys` (NULL-terminated). */
 void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, const char *what,
                       const char *const *keys) {
+    const char *command = table == r->root ? command_for(table, keys) : NULL;
     for (const struct scree_toml *child = table->first; child; child = child->next) {
-        int known = 0;
-        for (const char *const *key = keys; *key; key++) known |= strcmp(*key, child->key) == 0;
-        if (known) continue;
+        if (is_among(child->key, keys)) continue;
         struct scree_toml at = *child;
         if (child->key_column) at.column = child->key_column;
-        scree_complain(r, &at, "unknown key \"%s\" in %s%s", child->key, what, scree_hint(child->key, keys).text);
+        if (command)
+            scree_complain(r, &at, "unknown key \"%s\" in %s; this looks like a file for scree %s", child->key, what,
+                           command);
+        else
+            scree_complain(r, &at, "unknown key \"%s\" in %s%s", child->key, what, scree_hint(child->key, keys).text);
     }
 }
 

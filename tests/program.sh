@@ -418,6 +418,8 @@ printf 'title = "x"\n[time]\nend = 1\nstp = 2\n' >"$work/bad.toml"
 check 'unknown key set' 2 'with time.foo=3: unknown key "foo" in [time]' "$scree" check "$scenes/bounce.toml" --set time.foo=3
 check 'unknown table set' 2 'there is no "tim" in this scene; did you mean "time"?' "$scree" check "$scenes/bounce.toml" --set tim.end=3
 check 'unknown body set' 2 'there is no "bal" in this scene; did you mean "ball"?' "$scree" check "$scenes/bounce.toml" --set body.bal.mass=3
+check 'a transport file to run' 2 'unknown key "transport" in the scene; this looks like a file for scree plan' "$scree" run "$scenes/../transport/bars.toml" -o "$work/x6"
+check 'a scene to fit' 2 'in the fit file; this looks like a file for scree run' "$scree" fit "$scenes/bounce.toml" -o "$work/x6"
 check 'unknown key' 2 "bad.toml:4:1: unknown key \"stp\" in [time]; did you mean \"step\"?" "$scree" run "$work/bad.toml" -o "$work/x6"
 nothing_left "$work/x6"
 expect 'one line of message' test "$("$scree" run "$work/bad.toml" 2>&1 | wc -l)" -eq 1
