@@ -319,6 +319,8 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
         front[SCREE_SLABS]; /* as many as there are slabs are set: to clear all takes as long as some contacts */
     atomic_char state[SCREE_SLABS];
     double before[SCREE_SLABS + 1];
+    /* More threads than stretches only wait, and their looking for work holds up the others. */
+    int stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
     struct slabs all = {.contacts = contacts,
                         .bodies = bodies,
                         .step = step,
@@ -329,7 +331,7 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
                         .before = before,
                         .state = state,
                         .front = front,
-                        .team = threads < slabs ? threads : slabs};
+                        .team = threads < stretches ? threads : stretches};
     act_slabs(&all);
     add_tallies(contacts, bodies);
     for (int s = 1; s <= slabs; s++) too_far |= contacts->tally[s].too_far;
