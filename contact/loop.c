@@ -125,8 +125,8 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 
 /* Bodies lie in the order in which contacts come to them, so that a scene goes through the cache once a step: from
  * AHEAD bodies before they are needed. Partners that lie farther (of the next slab) are asked for by themselves. Fewer
- * than MANY bodies stay in the caches, from which contacts come as fast without. */
-enum { AHEAD = 192, BLOCKS_AHEAD = 3, MANY = 32768 };
+ * than MANY bodies stay in the caches; twice as many do so only where nobody else needs the third one. */
+enum { AHEAD = 192, BLOCKS_AHEAD = 3, MANY = 16384 };
 
 static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, int from, int to) {
     SCREE_CALL(bodies->record, from, to);
