@@ -164,31 +164,47 @@ static int sift(const struct scree_contacts *contacts, const struct scree_bodies
     return count;
 }
 
-/* Where each of them was before. Returns 0 if one that was, and isn't near, keeps something. */
+/* Where each of them was before. Returns how many were that aren't near and keep something. */
 static int find_again(const struct scree_batch *batch, int s, int count, struct scree_scratch *scratch) {
     const struct scree_part *segment = &batch->segment[s];
-    int before = segment->first, end = before + segment->count, kept = 0;
+    int before = segment->first, end = before + segment->count, held = 0;
     for (int k = 0; k < count; k++) {
         int order = -1;
         while (before < end && (order = compare_with(batch, before, &scratch->contact[k], s)) < 0)
-            kept |= scree_keeps_something(batch, before++);
+            held += scree_keeps_something(batch, before++);
         int same = before < end && order == 0;
         scratch->from[k] = same ? before - segment->first : -1;
         before += same;
     }
-    while (before < end) kept |= scree_keeps_something(batch, before++);
-    return !kept;
+    while (before < end) held += scree_keeps_something(batch, before++);
+    return held;
 }
 
-/* Few contacts hold beyond the touch: where one does, all are looked at one by one. */
+/* Those go among them, from behind: they hold beyond the touch, though not as far as the outer list reaches. */
+static void put_held(const struct scree_batch *batch, int s, int count, int held, struct scree_scratch *scratch) {
+    const struct scree_part *segment = &batch->segment[s];
+    int own = count - 1, before = segment->first + segment->count - 1;
+    for (int to = own + held; to > own;) {
+        int order = own < 0 ? 1 : compare_with(batch, before, &scratch->contact[own], s);
+        if (order <= 0) {
+            scratch->contact[to] = scratch->contact[own];
+            scratch->from[to--] = scratch->from[own--];
+        } else if (scree_keeps_something(batch, before)) {
+            scratch->contact[to] = scree_contact_at(batch, before);
+            scratch->from[to--] = before - segment->first;
+        }
+        before -= order >= 0;
+    }
+}
+
 static int pick_any(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                     const struct scree_batch *batch, int s, struct scree_scratch *scratch) {
     if (batch->segment[s].outer_count == 0) return 0;
-    if (s > 0 && batch->geometry == SCREE_BALL_BALL && !batch->corners) {
-        int count = sift(contacts, bodies, batch, s, scratch);
-        if (find_again(batch, s, count, scratch)) return count;
-    }
-    return pick(contacts, bodies, batch, s, scratch);
+    if (s == 0 || batch->geometry != SCREE_BALL_BALL || batch->corners)
+        return pick(contacts, bodies, batch, s, scratch);
+    int count = sift(contacts, bodies, batch, s, scratch), held = find_again(batch, s, count, scratch);
+    put_held(batch, s, count, held, scratch);
+    return count + held;
 }
 
 /* A column from the places of the old list to those of the new one: those that go on move together, then apart. `size`
@@ -232,8 +248,11 @@ static scree_status prepare_scratch(struct scree_contacts *contacts, int threads
                                     scree_trouble *trouble) {
     int most = 1;
     for (int b = 0; b < contacts->batches; b++)
-        for (int s = 0; s < segments; s++)
-            if (contacts->batch[b].segment[s].outer_count > most) most = contacts->batch[b].segment[s].outer_count;
+        for (int s = 0; s < segments; s++) {
+            const struct scree_part *segment = &contacts->batch[b].segment[s];
+            int sorted = segment->outer_count + segment->count; /* near ones, and those that hold */
+            if (sorted > most) most = sorted;
+        }
     int ok = 1;
     if (threads > contacts->scratches) {
         ok = scree_enlarge(&contacts->scratch, contacts->scratches, threads, sizeof *contacts->scratch);
