@@ -50,7 +50,7 @@ const struct scree_loop *scree_choose_loop(void);
 const struct scree_loop *scree_choose_loop_for_few(void);
 
 /* Whether the AVX-512 loop keeps the sums of bodies at hand on this processor: that pays on Zen 5 (a tenth of a step),
- * and costs as much on Zen 4, which takes vectors of eight in two halves, and on Intel's. */
+ * and costs up to as much on Zen 4, which takes vectors of eight in two halves, and on Intel's. */
 int scree_sums_in_hand(void);
 
 #ifdef SCREE_LOOP /* the loop that is being compiled: its parts in other files */
