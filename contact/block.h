@@ -575,7 +575,7 @@ static inline int gather_crossings(const struct scree_bodies *bodies, const stru
         any |= may[runs] = may_cross(bodies, &begins, &run[runs], step);
     }
     if (!any) return 0;
-    struct ends ends;
+    struct ends ends = {.ball = {NULL}}; /* gcc 16 doesn't see that there is a contact */
     find_ends(bodies, batch->ends + first, count, &ends);
     name_contacts(batch, first, count, contact);
     fetch(&ends, count, 0, 0, b);
