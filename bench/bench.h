@@ -2,6 +2,7 @@
 #ifndef SCREE_BENCH_BENCH_H
 #define SCREE_BENCH_BENCH_H
 
+#include "bodies/elementary.h"
 #include "engine/cli/cli.h"
 #include "engine/scene.h"
 

@@ -187,7 +187,7 @@ static void pour(int count, double seconds, int threads) {
         if (done < last && done + 100 >= last) late = bench_now();
         bench_step(scene, 100);
         done += 100;
-        if (done % 1000 == 0) most = fmax(most, energy_of(scene));
+        if (done % 1000 == 0) most = scree_most(most, energy_of(scene));
     }
     double end = bench_now(), ns = (end - start) * 1e9 / ((double)done * count);
     int touching = 0;
@@ -209,7 +209,7 @@ static double way_of(scree_scene *scene, int bodies, long steps) {
     for (int k = 0; k < bodies; k++) before[k] = vec_from(scree_scene_body(scene, k).position);
     bench_step(scene, steps);
     for (int k = 0; k < bodies; k++)
-        most = fmax(most, vec_norm(vec_sub(vec_from(scree_scene_body(scene, k).position), before[k])));
+        most = scree_most(most, vec_norm(vec_sub(vec_from(scree_scene_body(scene, k).position), before[k])));
     return most;
 }
 

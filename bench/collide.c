@@ -74,7 +74,7 @@ static long try_pairs(int kind, long pairs, uint64_t seed, int threads) {
         phantoms += one.phantoms;
         missed += one.missed;
         deeper += one.deeper;
-        worst = fmax(worst, one.worst);
+        worst = scree_most(worst, one.worst);
     }
     printf("%s,%g,%g,%ld,%ld,%ld,%ld,%ld,%ld,%.3g\n", kinds[kind].name, kinds[kind].roundness, kinds[kind].depth, pairs,
            touching, edges, phantoms, missed, deeper, worst);
@@ -123,8 +123,8 @@ static void try_impacts(int kind, long count, uint64_t seed, int threads) {
             met++;
             squares[block] += result.gained * result.gained;
             gained += result.gained > 1e-3;
-            largest = fmax(largest, result.gained);
-            least = fmin(least, result.gained);
+            largest = scree_most(largest, result.gained);
+            least = scree_least(least, result.gained);
         }
     }
     for (long block = 0; block < blocks; block++) sum += squares[block];

@@ -63,7 +63,7 @@ static void measure(int law, int phases) {
         long steps = 0;
         for (int phase = 0; phase < phases; phase++) {
             double step = contact_time / (per_contact[row] - 0.5 + (phase + 0.5) / phases);
-            worst = fmax(worst, fabs(rebound(laws[law].choice, step, &steps) - laws[law].restitution));
+            worst = scree_most(worst, fabs(rebound(laws[law].choice, step, &steps) - laws[law].restitution));
         }
         double ns = (bench_now() - start) / (double)steps * 1e9;
         double order = row ? log(before / worst) / log(per_contact[row] / per_contact[row - 1]) : NAN;

@@ -168,7 +168,7 @@ static double time_batch(const struct peer *solver, void *state, int batch, stru
 
 static double largest_error(const double *x, const double *best) {
     double largest = 0.0;
-    for (int k = 0; k < UNKNOWNS; k++) largest = fmax(largest, fabs(x[k] / best[k] - 1.0));
+    for (int k = 0; k < UNKNOWNS; k++) largest = scree_most(largest, fabs(x[k] / best[k] - 1.0));
     return largest;
 }
 

@@ -291,7 +291,7 @@ double nist_digits(const struct nist *problem, const double *b) {
     for (int k = 0; k < problem->parameters; k++) {
         double error = fabs(b[k] / problem->refined[k] - 1.0);
         if (!(error < 1.0)) return 0.0;
-        if (error > 0.0) least = fmin(least, -log10(error));
+        if (error > 0.0) least = scree_least(least, -log10(error));
     }
     return least;
 }

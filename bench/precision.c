@@ -152,7 +152,7 @@ static double set_reference(const struct precision_case *c, double *reference) {
     }
     run_case(c, INTEGRATORS - 1, step, 0.0, reference, &ignored);
     run_case(c, 0, step, 0.0, other, &ignored);
-    for (int n = 0; n < c->numbers; n++) worst = fmax(worst, fabs(other[n] - reference[n]));
+    for (int n = 0; n < c->numbers; n++) worst = scree_most(worst, fabs(other[n] - reference[n]));
     printf("%s,reference,%g,%.4g,%.3g,,,\n", c->name, c->duration / step, step, worst);
     return worst;
 }

@@ -97,7 +97,7 @@ static double difference(const scree_scene *a, const scree_scene *b) {
     double largest = 0.0;
     for (int k = 0; k < scree_scene_bodies(a); k++) {
         scree_body_state x = scree_scene_body(a, k), y = scree_scene_body(b, k);
-        for (int i = 0; i < 3; i++) largest = fmax(largest, fabs(x.position[i] - y.position[i]));
+        for (int i = 0; i < 3; i++) largest = scree_most(largest, fabs(x.position[i] - y.position[i]));
     }
     return largest;
 }
@@ -110,7 +110,7 @@ static void measure(const struct skip *skip, int heap, int repeats) {
         scree_scene *lean, *full;
         with[r] = run(text, skip, 1, &lean);
         without[r] = run(text, skip, 0, &full);
-        off = fmax(off, difference(lean, full));
+        off = scree_most(off, difference(lean, full));
         scree_scene_destroy(lean);
         scree_scene_destroy(full);
     }

@@ -190,7 +190,7 @@ static void note_warnings(struct row *row, scree_scene *scene, double largest) {
     const struct scree_step_choice *choice = &scene->plan.choice;
     scree_energy now = energy(scene);
     double share = fabs(now.balance) / (largest + now.lost_normal + now.lost_tangential);
-    if (scree_scene_halvings(scene)) share = fmax(share, scree_books_lack(scene));
+    if (scree_scene_halvings(scene)) share = scree_most(share, scree_books_lack(scene));
     if (share > 0.1)
         snprintf(row->said, sizeof row->said, "scree run warns: the energy books lack %.0f %%", 100.0 * share);
     else if (choice->step > choice->duration / 10.0 && !row->said[0])
@@ -220,7 +220,8 @@ static void hit(double m1, double m2) {
         double mass = m1 * m2 / (m1 + m2), time = 1e-4 + 2.0 * pi * sqrt(mass / 1e5);
         step(&row, scene, (long)(time / scree_scene_step_length(scene)) + 2);
         double after_a = (m1 - m2) / (m1 + m2), after_b = 2.0 * m1 / (m1 + m2);
-        row.error = fmax(fabs(body(scene, "a").velocity[2] - after_a), fabs(body(scene, "b").velocity[2] - after_b));
+        row.error =
+            scree_most(fabs(body(scene, "a").velocity[2] - after_a), fabs(body(scene, "b").velocity[2] - after_b));
         row.error /= fmax(1.0, after_b);
     }
     finish(&row);
@@ -244,8 +245,8 @@ static void pile(double below, double above) {
     add_ball(&text, "high", 0.01, above, 0.03 - 2.0 * sunk, 0.0);
     scree_scene *scene = make(&row, &text);
     if (scene && step(&row, scene, 1000000))
-        row.error = fmax(fabs(body(scene, "low").position[2] - (0.01 - sunk)),
-                         fabs(body(scene, "high").position[2] - (0.03 - 2.0 * sunk))) /
+        row.error = scree_most(fabs(body(scene, "low").position[2] - (0.01 - sunk)),
+                               fabs(body(scene, "high").position[2] - (0.03 - 2.0 * sunk))) /
                     sunk;
     finish(&row);
     scree_scene_destroy(scene);
@@ -267,7 +268,7 @@ static void springs(double ground, double between) {
     double start = scene ? moving(scene) : 1.0;
     row.error = 0.0;
     for (int k = 0; scene && k < 1000 && step(&row, scene, 1000); k++)
-        row.error = fmax(row.error, fabs(energy(scene).balance) / start);
+        row.error = scree_most(row.error, fabs(energy(scene).balance) / start);
     finish(&row);
     scree_scene_destroy(scene);
 }
@@ -325,7 +326,8 @@ static void box_stack(int count, double narrower) {
         for (int k = 0; k < touching && k < 512; k++)
             if (contacts[k].host == floor || contacts[k].ball == floor) force += contacts[k].normal_force;
         for (int k = 0; k < scree_scene_bodies(scene); k++)
-            away = fmax(away, hypot(scree_scene_body(scene, k).position[0], scree_scene_body(scene, k).position[1]));
+            away =
+                scree_most(away, hypot(scree_scene_body(scene, k).position[0], scree_scene_body(scene, k).position[1]));
         row.error = fabs(force / weight - 1.0);
         snprintf(row.said, sizeof row.said, "kinetic energy %.2g J; largest sideways way %.2g m", moving(scene), away);
     }
@@ -358,7 +360,7 @@ static void shot(enum target target, double speeds, int automatic) {
         add_ball(&text, "ball", 0.01, 0.03, 0.02 + 0.0037 * k, -v);
         scree_scene *scene = make(&row, &text);
         if (scene && step(&row, scene, (long)((0.2 / v + 2.0 * contact) / scree_scene_step_length(scene))))
-            row.error = fmax(row.error, fabs(body(scene, "ball").velocity[2] / v - 1.0));
+            row.error = scree_most(row.error, fabs(body(scene, "ball").velocity[2] / v - 1.0));
         scree_scene_destroy(scene);
     }
     finish(&row);
@@ -391,7 +393,7 @@ static void graze(double way) {
                            "past a ball at %g radii per step, step 1/50 contact; 8 distances", way);
     double exact = deflection(&row, speed, length / 200.0, 0.0);
     for (int k = 0; k < 8 && !row.end; k++)
-        row.error = fmax(row.error, fabs(deflection(&row, speed, length, k / 8.0) / exact - 1.0));
+        row.error = scree_most(row.error, fabs(deflection(&row, speed, length, k / 8.0) / exact - 1.0));
     finish(&row);
 }
 
@@ -430,7 +432,7 @@ static void coarse(double per_contact) {
         add_ball(&text, "ball", 0.01, 0.03, 0.0105 + 0.0001 * k, -1.0);
         scree_scene *scene = make(&row, &text);
         if (scene && step(&row, scene, (long)((0.003 + 3.0 * contact) / scree_scene_step_length(scene)))) {
-            row.error = fmax(row.error, fabs(body(scene, "ball").velocity[2] - 1.0));
+            row.error = scree_most(row.error, fabs(body(scene, "ball").velocity[2] - 1.0));
             note_warnings(&row, scene, fmax(0.015, moving(scene)));
         }
         scree_scene_destroy(scene);
@@ -453,7 +455,7 @@ static void squeezed(double share) {
     add_ball(&text, "ball", 0.01, 0.03, 0.009, 1e-4);
     scree_scene *scene = make(&row, &text);
     for (int n = 0; scene && n < 100 && step(&row, scene, 100); n++)
-        row.error = fmax(row.error, fabs(energy(scene).balance) / start);
+        row.error = scree_most(row.error, fabs(energy(scene).balance) / start);
     if (scene && !row.end) note_warnings(&row, scene, energy(scene).stored);
     finish(&row);
     scree_scene_destroy(scene);
@@ -479,7 +481,7 @@ static void sticking(double turn, double ratio) {
         0.01 - pressed);
     scree_scene *scene = make(&row, &text);
     for (int n = 0; scene && n < 100 && step(&row, scene, 100); n++)
-        row.error = fmax(row.error, fabs(energy(scene).balance) / start);
+        row.error = scree_most(row.error, fabs(energy(scene).balance) / start);
     if (scene && !row.end) note_warnings(&row, scene, fmax(start, moving(scene)));
     finish(&row);
     scree_scene_destroy(scene);
@@ -534,8 +536,8 @@ static void lie(const char *what, const char *integrator, const struct text *tex
         through = step(&speed, scene, 1000);
         for (int k = 0; k < count && k < 16; k++) {
             scree_body_state now = scree_scene_body(scene, k);
-            for (int i = 0; i < 3; i++) speed.error = fmax(speed.error, fabs(now.velocity[i]));
-            sunk.error = fmax(sunk.error, fabs(now.position[2] - start[k]) / overlap);
+            for (int i = 0; i < 3; i++) speed.error = scree_most(speed.error, fabs(now.velocity[i]));
+            sunk.error = scree_most(sunk.error, fabs(now.position[2] - start[k]) / overlap);
         }
     }
     sunk.end = speed.end;
@@ -638,7 +640,7 @@ static void thin(double x, double y, double z, double stiffness) {
     double start = scene ? moving(scene) : 1.0;
     long steps = scene ? (long)(0.15 / scree_scene_step_length(scene) / 1000.0) : 0;
     for (int k = 0; scene && k < 1000 && step(&row, scene, steps); k++)
-        row.error = fmax(row.error, fabs(energy(scene).balance) / start);
+        row.error = scree_most(row.error, fabs(energy(scene).balance) / start);
     if (scene && !row.end)
         snprintf(row.said, sizeof row.said, "deepest overlap: %.2g of the tolerable; rises at %.3g m/s",
                  scree_scene_deepest(scene, NULL, NULL), body(scene, "box").velocity[2]);
@@ -659,7 +661,7 @@ static void spin(double rate, double per_step) {
     scree_scene *scene = make(&row, &text);
     double start = scene ? energy(scene).rotational : 1.0;
     for (int k = 0; scene && k < 1000 && step(&row, scene, 100); k++)
-        row.error = fmax(row.error, fabs(energy(scene).rotational / start - 1.0));
+        row.error = scree_most(row.error, fabs(energy(scene).rotational / start - 1.0));
     finish(&row);
     scree_scene_destroy(scene);
 }
@@ -696,7 +698,7 @@ static void fall(double gravity, double stiffness) {
     scree_scene *scene = make(&row, &text);
     double start = 0.03 * (gravity * 0.01 + 0.005);
     for (int k = 0; scene && k < 1000 && step(&row, scene, 100); k++)
-        row.error = fmax(row.error, fabs(energy(scene).balance) / start);
+        row.error = scree_most(row.error, fabs(energy(scene).balance) / start);
     finish(&row);
     scree_scene_destroy(scene);
 }

@@ -134,4 +134,9 @@ static inline void scree_sincos(double x, double *sine, double *cosine) {
     *cosine = (quadrant == 1u || quadrant == 2u) ? -second : second;
 }
 
+/* The larger and the smaller of two numbers that are measured: not a number if one of them isn't, so that a check of
+ * the result fails. (fmax and fmin would give the other one.) */
+static inline double scree_most(double a, double b) { return a >= b || a != a ? a : b; }
+static inline double scree_least(double a, double b) { return a <= b || a != a ? a : b; }
+
 #endif

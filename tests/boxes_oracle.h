@@ -6,6 +6,7 @@
 #ifndef SCREE_TESTS_BOXES_ORACLE_H
 #define SCREE_TESTS_BOXES_ORACLE_H
 
+#include "bodies/elementary.h"
 #include "contact/crossing.h"
 
 #include <stdint.h>
@@ -101,8 +102,8 @@ static inline double oracle_depth(const struct oracle_zonotope *z, double size) 
             double length = vec_norm(n);
             if (length <= 1e-9 * size * size) continue; /* as good as parallel */
             n = vec_scale(1.0 / length, n);
-            least = fmin(least, vec_dot(n, oracle_support(z, n)));
-            least = fmin(least, -vec_dot(n, oracle_support(z, vec_scale(-1.0, n))));
+            least = scree_least(least, vec_dot(n, oracle_support(z, n)));
+            least = scree_least(least, -vec_dot(n, oracle_support(z, vec_scale(-1.0, n))));
         }
     return least < HUGE_VAL ? least : 0.0; /* a point or a line has no faces */
 }
@@ -236,7 +237,7 @@ static inline void oracle_judge_corners(struct scree_two_boxes boxes, struct ora
     for (int k = 0; k < 8; k++) {
         struct scree_crossing c = scree_meet_corner(&boxes, k);
         v->corners += c.meeting.overlap > 0.0;
-        v->deepest = fmax(v->deepest, c.meeting.overlap);
+        v->deepest = scree_most(v->deepest, c.meeting.overlap);
     }
 }
 
@@ -249,7 +250,7 @@ static inline struct oracle_verdict oracle_judge(const struct oracle_pair *pair)
     for (int e = 0; e < SCREE_EDGES * SCREE_EDGES; e++) {
         struct scree_crossing c = scree_meet_edges(&boxes, e / SCREE_EDGES, e % SCREE_EDGES);
         v.crossings += c.meeting.overlap > 0.0;
-        v.deepest = fmax(v.deepest, c.meeting.overlap);
+        v.deepest = scree_most(v.deepest, c.meeting.overlap);
     }
     return v;
 }
@@ -270,7 +271,7 @@ static inline void oracle_count_one(double truth, double deepest, struct oracle_
     count->phantoms += phantom;
     count->missed += missed;
     count->deeper += deeper;
-    if (phantom || missed || deeper) count->worst = fmax(count->worst, fabs(fmax(deepest, 0.0) - truth));
+    if (phantom || missed || deeper) count->worst = scree_most(count->worst, fabs(fmax(deepest, 0.0) - truth));
 }
 
 static inline void oracle_try_boxes(uint64_t *seed, double roundness, double deepest, struct oracle_count *count) {

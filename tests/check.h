@@ -3,6 +3,8 @@
 #ifndef SCREE_TESTS_CHECK_H
 #define SCREE_TESTS_CHECK_H
 
+#include "bodies/elementary.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>

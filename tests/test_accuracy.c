@@ -69,7 +69,7 @@ static double worst_of(const char *laws, const char *how, double step, int obliq
             /* Other steps too, up to a twentieth shorter: so do rows of output. */
             double part = (phase + 0.5) / PHASES, length = step * (1.0 - 0.05 * fmod(5.3 * part, 1.0));
             strike(laws, how, angles[k], part, length, after);
-            for (int n = 0; n < 1 + oblique; n++) worst = fmax(worst, fabs(after[n] - reference[k][n]));
+            for (int n = 0; n < 1 + oblique; n++) worst = scree_most(worst, fabs(after[n] - reference[k][n]));
         }
     return worst;
 }
@@ -182,10 +182,10 @@ static double run_file(const char *name, double step, double share, double *lack
     for (int part = 0; part < 20; part++) {
         go(*left, steps * (part + 1) / 20 - steps * part / 20);
         CHECK(scree_scene_energy(*left, &now) == SCREE_OK);
-        largest = fmax(largest, now.kinetic + now.rotational);
+        largest = scree_most(largest, now.kinetic + now.rotational);
     }
     for (int k = 0; k < 8 && k < scree_scene_bodies(*left); k++)
-        way = fmax(way, fabs(scree_scene_body(*left, k).position[0] - start[k]));
+        way = scree_most(way, fabs(scree_scene_body(*left, k).position[0] - start[k]));
     *lacks = fabs(now.balance) / (largest + now.lost_normal + now.lost_tangential + fabs(now.driven));
     scree_free_request(&request);
     return way;
@@ -209,7 +209,8 @@ static void test_auto_scenes(void) {
         if (cases[k].few) {
             run_file(cases[k].name, 0.25 * scree_scene_step_length(scene), cases[k].share, &ignored, &finer);
             for (int b = 0; b < scree_scene_bodies(scene); b++)
-                off = fmax(off, fabs(scree_scene_body(scene, b).position[0] - scree_scene_body(finer, b).position[0]));
+                off = scree_most(off,
+                                 fabs(scree_scene_body(scene, b).position[0] - scree_scene_body(finer, b).position[0]));
             NEAR(off, 0.0, 2.7e-3 * way);
             scree_scene_destroy(finer);
         }
@@ -242,7 +243,7 @@ static void test_auto_extremes(void) {
         go(scene, (long)((0.1 * size / speed + 2.0 * contact) / step) + 2);
         CHECK(touches(scene) == 0);
         double a = 0.1 * speed * (1.0 - ratio) / (1.0 + ratio), b = 0.1 * speed * 2.0 / (1.0 + ratio);
-        double off = fmax(fabs(state_of(scene, "a").velocity[0] - a), fabs(state_of(scene, "b").velocity[0] - b));
+        double off = scree_most(fabs(state_of(scene, "a").velocity[0] - a), fabs(state_of(scene, "b").velocity[0] - b));
         NEAR(off / fmax(0.1 * speed, b), 0.0, 4.8e-4);
         scree_scene_destroy(scene);
     }
@@ -454,7 +455,7 @@ static void test_squeezed(void) {
         CHECK(lack > 0.0 && lack <= 0.1 * (scree_scene_halvings(scene) + 1));
         for (int k = 0; k < 1000; k++) {
             go(scene, 1);
-            most = fmax(most, fabs(state_of(scene, "ball").position[2] - 0.009));
+            most = scree_most(most, fabs(state_of(scene, "ball").position[2] - 0.009));
         }
         double amplitude = 1e-4 / sqrt(2e5 / 0.03), turn = sqrt(2e5 / 0.03) * scree_scene_step_length(scene);
         double swing = 1.0 / sqrt(1.0 - 0.25 * turn * turn) - 1.0;
@@ -478,7 +479,7 @@ static void test_growth(void) {
         scree_scene *scene = thrown(laws, time, 0.0, phase / 16.0, step);
         CHECK(reach(scene, 8.0 * step, 8.0 * step));
         halved += scree_scene_halvings(scene) > 0;
-        worst = fmax(worst, fabs(state_of(scene, "ball").velocity[2] - 1.0));
+        worst = scree_most(worst, fabs(state_of(scene, "ball").velocity[2] - 1.0));
         scree_scene_destroy(scene);
     }
     show("growth", "error of the rebound", 0.0, halved, worst, 0.0);

@@ -106,7 +106,7 @@ static void test_tables(void) {
             if (!(alpha >= 0.0) || !(e > 0.0)) continue;
             char law[120];
             snprintf(law, sizeof law, "law=\"%s\", stiffness=5e6, alpha=%.17g", c ? "tsuji-cut" : "tsuji", alpha);
-            worst = fmax(worst, fabs(rebound(law, 1e-13, &effort, &lacking) - e));
+            worst = scree_most(worst, fabs(rebound(law, 1e-13, &effort, &lacking) - e));
         }
     }
     show("table", "tsuji", worst, effort);
@@ -122,7 +122,7 @@ static void test_tables(void) {
             if (b > 5.0) continue; /* rebounds at less than 1/20 of its speed */
             snprintf(law, sizeof law, "law=\"kuwabara-kono%s\", stiffness=5e6, relaxation=%.17g", cut ? "-cut" : "",
                      relaxation);
-            worst = fmax(worst, fabs(rebound(law, 1e-13, &effort, &lacking) - e));
+            worst = scree_most(worst, fabs(rebound(law, 1e-13, &effort, &lacking) - e));
         }
     }
     show("table", "kuwabara-kono", worst, effort);
@@ -156,7 +156,7 @@ static void test_oblique(void) {
         scree_body_state ball = state_of(scene, "ball");
         double error = fabs(ball.velocity[2] - check_number(table, row, "vn_rebound_over_vn"));
         double sideways = fabs(ball.velocity[0] - check_number(table, row, "vs_rebound_over_vn"));
-        worst = fmax(worst, fmax(error, sideways / fmax(1.0, slip)));
+        worst = scree_most(worst, scree_most(error, sideways / fmax(1.0, slip)));
         effort = scree_scene_effort(scene);
         evaluations += effort.evaluations;
         scree_scene_destroy(scene);
@@ -198,7 +198,7 @@ static void test_cradle(void) {
         for (int k = 0; k < count; k++) {
             char name[16];
             snprintf(name, sizeof name, "b%d", k);
-            worst = fmax(worst, fabs(state_of(scene, name).velocity[0] - check_number(table, row, columns[k])));
+            worst = scree_most(worst, fabs(state_of(scene, name).velocity[0] - check_number(table, row, columns[k])));
         }
         show("cradle", check_text(table, row, "N"), worst, scree_scene_effort(scene));
         NEAR(worst, 0.0, 1.2 * check_number(table, row, "est_error") + 2e-11);
@@ -247,8 +247,8 @@ static void test_slides(void) {
             go(scene, 1);
             scree_body_state ball = state_of(scene, "ball");
             double slip = speed_of(&b, 0.01 * k), expected = 0.5 - b.mass / mass * (0.5 - slip);
-            worst = fmax(worst, fabs(ball.velocity[0] - expected));
-            if (rolls) worst = fmax(worst, fabs(ball.velocity[0] - arm * ball.spin[1] - slip));
+            worst = scree_most(worst, fabs(ball.velocity[0] - expected));
+            if (rolls) worst = scree_most(worst, fabs(ball.velocity[0] - arm * ball.spin[1] - slip));
         }
         if (rolls) NEAR(state_of(scene, "ball").velocity[0], 0.5 * 5.0 / 7.0, 1e-3); /* swings by w mu m g/k */
         show("slide", rolls ? "until it rolls" : "to rest", worst, scree_scene_effort(scene));
@@ -314,7 +314,7 @@ static void test_rigid_slides(void) {
             double value[STIFFNESSES];
             for (int k = 0; k < STIFFNESSES; k++) value[k] = numbers[k][n];
             double error = fabs(rigid_limit(value, STIFFNESSES) - exact[n]);
-            worst = fmax(worst, error / (n % 3 ? v : way));
+            worst = scree_most(worst, error / (n % 3 ? v : way));
         }
         show("rigid limit", rolls ? "slips until it rolls" : "slides to rest", worst, (scree_effort){0});
         NEAR(worst, 0.0, 1e-10);
@@ -418,7 +418,7 @@ static void test_stick_slip(void) {
         scree_effort effort;
         swing_for(&end, time);
         scree_body_state mass = swing_in_scene(&s, time, 0.0, (long)ceil(time * 1e3), &effort);
-        double error = fmax(fabs(mass.position[0] - end.x), fabs(mass.velocity[0] - end.v));
+        double error = scree_most(fabs(mass.position[0] - end.x), fabs(mass.velocity[0] - end.v));
         show("stick-slip", "bare spring", error, effort);
         NEAR(error, 0.0, 1e-10);
     }
@@ -454,8 +454,8 @@ static void test_rigid_stick_slip(void) {
                 double value[STIFFNESSES];
                 for (int j = 0; j < STIFFNESSES; j++) value[j] = numbers[j][n];
                 double error = fabs(rigid_limit(value, STIFFNESSES) - exact[n]);
-                worst =
-                    fmax(worst, error / (n % 2 ? check_number(table, row, "V") : check_number(table, row, "x_max")));
+                worst = scree_most(worst,
+                                   error / (n % 2 ? check_number(table, row, "V") : check_number(table, row, "x_max")));
             }
         }
         show("rigid limit", "stick and slip", worst, effort);
@@ -494,11 +494,12 @@ static void test_top(void) {
         struct mat frame = quat_to_mat(q);
         struct vec w = mat_undo(&frame, vec_from(state.spin));
         double sign = q.w * check_number(table, row, "q0") + q.x * check_number(table, row, "q1") < 0.0 ? -1.0 : 1.0;
-        double error = fmax(fabs(w.x - check_number(table, row, "w1")), fabs(w.y - check_number(table, row, "w2")));
-        error = fmax(error, fabs(w.z - check_number(table, row, "w3")));
-        error = fmax(error, fabs(sign * q.w - check_number(table, row, "q0")));
-        error = fmax(error, fabs(sign * q.z - check_number(table, row, "q3")));
-        worst[generic] = fmax(worst[generic], error);
+        double error =
+            scree_most(fabs(w.x - check_number(table, row, "w1")), fabs(w.y - check_number(table, row, "w2")));
+        error = scree_most(error, fabs(w.z - check_number(table, row, "w3")));
+        error = scree_most(error, fabs(sign * q.w - check_number(table, row, "q0")));
+        error = scree_most(error, fabs(sign * q.z - check_number(table, row, "q3")));
+        worst[generic] = scree_most(worst[generic], error);
     }
     show("top", "attitude and spin, generic", worst[1], scree_scene_effort(scene));
     show("top", "about its middle axis", worst[0], scree_scene_effort(scene));
@@ -519,9 +520,9 @@ static void test_top_keeps(void) {
     for (int k = 0; k < 20; k++) {
         go(scene, 1);
         CHECK(scree_scene_energy(scene, &now) == SCREE_OK);
-        energy = fmax(energy, fabs(now.rotational / start.rotational - 1.0));
+        energy = scree_most(energy, fabs(now.rotational / start.rotational - 1.0));
         const double *l = scene->bodies.state[0].l;
-        momentum = fmax(momentum, fabs(sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]) / 0.140890028036054 - 1.0));
+        momentum = scree_most(momentum, fabs(sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]) / 0.140890028036054 - 1.0));
     }
     show("top", "energy over 1200 turns", energy, scree_scene_effort(scene));
     NEAR(energy, 0.0, 1e-12);
@@ -621,8 +622,8 @@ static void test_flight(void) {
     for (int k = 0; k < 2; k++) {
         scree_body_state one = state_of(fly, k ? "b" : "a"), other = state_of(walk, k ? "b" : "a");
         for (int axis = 0; axis < 3; axis++) {
-            worst = fmax(worst, fabs(one.position[axis] - other.position[axis]));
-            worst = fmax(worst, fabs(one.velocity[axis] - other.velocity[axis]));
+            worst = scree_most(worst, fabs(one.position[axis] - other.position[axis]));
+            worst = scree_most(worst, fabs(one.velocity[axis] - other.velocity[axis]));
         }
     }
     show("flight", "with", worst, scree_scene_effort(fly));
@@ -639,8 +640,8 @@ static double farthest(const scree_scene *scene, const scree_scene *other) {
     double worst = 0.0;
     for (int body = 0; body < scree_scene_bodies(scene); body++)
         for (int axis = 0; axis < 3; axis++)
-            worst = fmax(worst, fabs(scree_scene_body(scene, body).position[axis] -
-                                     scree_scene_body(other, body).position[axis]));
+            worst = scree_most(worst, fabs(scree_scene_body(scene, body).position[axis] -
+                                           scree_scene_body(other, body).position[axis]));
     return worst;
 }
 
@@ -742,7 +743,8 @@ static void test_sliders_begin_with_the_touch(void) {
             scree_scene *scene = scene_from(text, changes, 5, 1);
             go(scene, steps);
             scree_body_state one = state_of(scene, "ball"), other = state_of(exact, "ball");
-            for (int axis = 0; axis < 3; axis++) worst = fmax(worst, fabs(one.velocity[axis] - other.velocity[axis]));
+            for (int axis = 0; axis < 3; axis++)
+                worst = scree_most(worst, fabs(one.velocity[axis] - other.velocity[axis]));
             scree_scene_destroy(scene);
         }
         if (getenv("SCREE_SHOW")) printf("sliders begin: %g, bound %g\n", worst, cases[k].bound);
@@ -825,14 +827,14 @@ static void test_driven_box(void) {
     for (int k = 0; k < 15; k++) {
         go(scene, 1);
         CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
-        worst = fmax(worst, fabs(energy.balance));
-        turned = fmax(turned, energy.lost_normal + energy.lost_tangential + fabs(energy.driven));
+        worst = scree_most(worst, fabs(energy.balance));
+        turned = scree_most(turned, energy.lost_normal + energy.lost_tangential + fabs(energy.driven));
     }
     scree_body_state box = state_of(scene, "box");
     double speed = 0.0, spin = 0.0;
     for (int axis = 0; axis < 3; axis++) {
-        speed = fmax(speed, fabs(box.velocity[axis]));
-        spin = fmax(spin, fabs(box.spin[axis]));
+        speed = scree_most(speed, fabs(box.velocity[axis]));
+        spin = scree_most(spin, fabs(box.spin[axis]));
     }
     show("driven box", "books over what was turned over", worst / turned, scree_scene_effort(scene));
     NEAR(worst / turned, 0.0, 1e-8); /* 1e-10 in each of the hundred steps between two kinks */
@@ -946,7 +948,7 @@ static void test_every_law(void) {
         CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
         effort = scree_scene_effort(scene);
         CHECK(effort.evaluations < 100000);
-        worst = fmax(worst, fabs(energy.balance));
+        worst = scree_most(worst, fabs(energy.balance));
         scree_scene_destroy(scene);
     }
     show("every law", "books, J", worst, effort);

@@ -23,9 +23,9 @@ static struct energies random_impacts(int count, const struct impact_kind *kind)
         if (!r.met) continue;
         sizes[met++] = fabs(r.gained);
         e.rms += r.gained * r.gained;
-        e.largest = fmax(e.largest, r.gained);
-        e.lacking = fmax(e.lacking, fabs(r.balance));
-        e.least = fmin(e.least, r.gained);
+        e.largest = scree_most(e.largest, r.gained);
+        e.lacking = scree_most(e.lacking, fabs(r.balance));
+        e.least = scree_least(e.least, r.gained);
     }
     CHECK(met > count / 2);
     e.rms = sqrt(e.rms / met);
@@ -46,15 +46,15 @@ static void test_elastic_impacts(void) {
     struct energies a = random_impacts(300, &coarse), b = random_impacts(300, &fine);
     NEAR(log(a.rms / b.rms) / log(4.0), 2.0, 0.25);
     double spring = acos(-1.0) * acos(-1.0) / 12.0;
-    CHECK(fmax(a.largest, -a.least) < 10.0 * spring / (50.0 * 50.0));
-    CHECK(fmax(b.largest, -b.least) < 10.0 * spring / (200.0 * 200.0));
+    CHECK(scree_most(a.largest, -a.least) < 10.0 * spring / (50.0 * 50.0));
+    CHECK(scree_most(b.largest, -b.least) < 10.0 * spring / (200.0 * 200.0));
     static const struct impact_kind by_pairs[2] = {{0.2, 50.0, 0.5, "damping = 0", "", "pair-impulse"},
                                                    {0.2, 200.0, 0.5, "damping = 0", "", "pair-impulse"}};
     struct energies e = random_impacts(300, &by_pairs[0]), f = random_impacts(300, &by_pairs[1]);
     NEAR(log(e.rms / f.rms) / log(4.0), 2.0, 0.4); /* few impacts make most of it: those in which corners take over */
     struct energies c = random_impacts(150, &round), d = random_impacts(150, &nearly_sharp);
-    CHECK(fmax(c.largest, -c.least) < 10.0 * spring / (50.0 * 50.0));
-    CHECK(fmax(d.largest, -d.least) < 10.0 * spring / (100.0 * 100.0));
+    CHECK(scree_most(c.largest, -c.least) < 10.0 * spring / (50.0 * 50.0));
+    CHECK(scree_most(d.largest, -d.least) < 10.0 * spring / (100.0 * 100.0));
 }
 
 /* Boxes deeper in each other than their roundings push in another direction when another one becomes the least deep.
@@ -67,8 +67,8 @@ static void test_deep_impacts(void) {
         fine.steps = 800.0;
         struct energies a = random_impacts(200, &coarse), b = random_impacts(200, &fine);
         NEAR(log(a.median / b.median) / log(8.0), 2.0, 0.25); /* 0 without a potential */
-        CHECK(fmax(a.largest, -a.least) < acos(-1.0) / 100.0);
-        CHECK(fmax(b.largest, -b.least) < acos(-1.0) / 800.0);
+        CHECK(scree_most(a.largest, -a.least) < acos(-1.0) / 100.0);
+        CHECK(scree_most(b.largest, -b.least) < acos(-1.0) / 800.0);
     }
 }
 

@@ -57,7 +57,7 @@ static double moved_overlap(struct oracle_pair pair, int what, int axis, double 
 static double least_sine(const struct oracle_pair *pair) {
     double least = 1.0;
     for (int k = 0; k < 9; k++)
-        least = fmin(least, vec_norm(vec_cross(pair->a.frame.column[k / 3], pair->b.frame.column[k % 3])));
+        least = scree_least(least, vec_norm(vec_cross(pair->a.frame.column[k / 3], pair->b.frame.column[k % 3])));
     return least;
 }
 
@@ -192,7 +192,7 @@ static double moved(scree_scene *scene, long steps, double *kinetic) {
     for (int k = 0; k < bodies; k++) before[k] = vec_from(scree_scene_body(scene, k).position);
     go(scene, steps);
     for (int k = 0; k < bodies; k++)
-        most = fmax(most, vec_norm(vec_sub(vec_from(scree_scene_body(scene, k).position), before[k])));
+        most = scree_most(most, vec_norm(vec_sub(vec_from(scree_scene_body(scene, k).position), before[k])));
     scree_energy energy;
     CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
     *kinetic = energy.kinetic + energy.rotational;

@@ -29,7 +29,7 @@ static double slow_distance(struct vec p, struct vec origin, const struct mat *f
                 c[(a + 1) % 3] = half[(a + 1) % 3] * (2.0 * i / CELLS - 1.0);
                 c[(a + 2) % 3] = half[(a + 2) % 3] * (2.0 * j / CELLS - 1.0);
                 struct vec on = vec_add(origin, mat_apply(frame, vec_from(c)));
-                nearest = fmin(nearest, vec_norm(vec_sub(p, on)));
+                nearest = scree_least(nearest, vec_norm(vec_sub(p, on)));
             }
     return nearest;
 }
@@ -118,7 +118,8 @@ static void test_boxes_depth(void) {
         for (int trial = 0; trial < 20000; trial++) {
             struct vec from = random_vec(&seed, 1.0), n = vec_sub(from, random_vec(&seed, 1.0));
             n = vec_scale(1.0 / vec_norm(n), n);
-            least = fmin(least, scree_box_reach(n, &a) + scree_box_reach(n, &b) + roundings - fabs(vec_dot(n, apart)));
+            least = scree_least(least,
+                                scree_box_reach(n, &a) + scree_box_reach(n, &b) + roundings - fabs(vec_dot(n, apart)));
         }
         apart_by_corners += roundings > 0.0 && depth > 0.0 && depth < roundings;
         /* Nearest of 20000 directions: within some 2 degrees, 1e-2 of boxes' 0.7 m across. */
@@ -272,7 +273,7 @@ static void check_candidates(double ratio, double spread, double height, int cou
     for (int k = 1; k <= count; k++) {
         double more = k % 16 == 0 ? check_between(&seed, 0.0, fmin(spread, 30.0 * contacts->skin)) : 0.0;
         bodies->path[k] = -more;
-        contacts->widest_margin = fmax(contacts->widest_margin, 0.5 * contacts->skin + more);
+        contacts->widest_margin = scree_most(contacts->widest_margin, 0.5 * contacts->skin + more);
     }
     CHECK(scree_candidates(contacts, bodies, 1, NULL) == SCREE_OK);
     int found = 0, wrong = 0;
@@ -440,7 +441,7 @@ static double lost_momentum(const char *const *changes, int count) {
     double met = 0.0;
     for (int k = 0; k < 30; k++) {
         go(scene, lround(1e-3 / scree_scene_step_length(scene)));
-        met = fmax(met, scree_scene_deepest(scene, NULL, NULL));
+        met = scree_most(met, scree_scene_deepest(scene, NULL, NULL));
     }
     momenta(scene, &p_after, &l_after);
     CHECK(met > 0.01);

@@ -226,8 +226,8 @@ static double energy_gap(double step) {
         go(scene, lround(2e-3 / step));
         scree_energy energy;
         CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
-        worst = fmax(worst, fabs(energy.balance));
-        turned = fmax(turned, energy.kinetic);
+        worst = scree_most(worst, fabs(energy.balance));
+        turned = scree_most(turned, energy.kinetic);
         CHECK(energy.lost_normal >= -1e-9 && energy.lost_tangential >= -1e-9);
     }
     scree_scene_destroy(scene);
@@ -249,8 +249,8 @@ static double worst_balance(const char *text, const char *const *changes, int co
         scree_energy energy;
         go(scene, every);
         CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
-        turned = fmax(turned, energy.kinetic);
-        worst = fmax(worst, fabs(energy.balance));
+        turned = scree_most(turned, energy.kinetic);
+        worst = scree_most(worst, fabs(energy.balance));
         CHECK(energy.lost_tangential >= lost - 1e-12 * turned);
         lost = energy.lost_tangential;
     }
@@ -692,7 +692,7 @@ static double swing_at(double factor, double damping, int *refused) {
             largest = 1.0;
             break;
         }
-        if (k > 1000) largest = fmax(largest, fabs(state_of(scene, "ball").position[2] - rest));
+        if (k > 1000) largest = scree_most(largest, fabs(state_of(scene, "ball").position[2] - rest));
     }
     scree_scene_destroy(scene);
     return largest;
@@ -736,8 +736,8 @@ static double growth_of_stretch(double turn, double ratio) {
         long period = lround(2.0 * acos(-1.0) / turn);
         for (long k = 0; k < 800 + 2 * period; k++) {
             double speed = fabs(state_of(scene, "ball").velocity[0]);
-            if (k < 2 * period) first = fmax(first, speed);
-            if (k >= 800) last = fmax(last, speed);
+            if (k < 2 * period) first = scree_most(first, speed);
+            if (k >= 800) last = scree_most(last, speed);
             go(scene, 1);
         }
         growth = log(last / first) / 800.0;

@@ -141,7 +141,7 @@ static void test_order(void) {
     for (int k = 0; k < 3; k++) {
         double step = 4e-4 / (1 << k);
         measure(&file, &step);
-        for (int row = 0; row < ROWS; row++) error[k] = fmax(error[k], fabs(e->reading[0][row] - reference[row]));
+        for (int row = 0; row < ROWS; row++) error[k] = scree_most(error[k], fabs(e->reading[0][row] - reference[row]));
     }
     /* The first touch falls somewhere into a step, which makes the ratio of 4 uneven. */
     CHECK(error[0] > 2.0 * error[1] && error[1] > 2.0 * error[2]);

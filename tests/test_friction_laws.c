@@ -658,9 +658,9 @@ static struct cycle belt_cycle(const struct friction *f, const struct check_tabl
             if (slips == 3) cycle.highest = cycle.lowest = x, cycle.slowest = v;
         }
         was_sliding = sliding;
-        cycle.highest = slips == 3 ? fmax(cycle.highest, x) : cycle.highest;
-        cycle.lowest = slips == 3 ? fmin(cycle.lowest, x) : cycle.lowest;
-        cycle.slowest = slips == 3 ? fmin(cycle.slowest, v) : cycle.slowest;
+        cycle.highest = slips == 3 ? scree_most(cycle.highest, x) : cycle.highest;
+        cycle.lowest = slips == 3 ? scree_least(cycle.lowest, x) : cycle.lowest;
+        cycle.slowest = slips == 3 ? scree_least(cycle.slowest, v) : cycle.slowest;
     }
     return cycle;
 }
@@ -676,9 +676,9 @@ static double belt_error(const struct check_table *table, int row, double ratio,
     struct cycle c = belt_cycle(&f, table, row, step / sqrt(ratio));
     double size = check_number(table, row, "x_slip_start"), speed = size * sqrt(k / m);
     double error = fabs(c.period / check_number(table, row, "period") - 1.0);
-    error = fmax(error, fabs(c.highest - check_number(table, row, "x_max")) / size);
-    error = fmax(error, fabs(c.lowest - check_number(table, row, "x_min")) / size);
-    return fmax(error, fabs(c.slowest - check_number(table, row, "v_min")) / speed);
+    error = scree_most(error, fabs(c.highest - check_number(table, row, "x_max")) / size);
+    error = scree_most(error, fabs(c.lowest - check_number(table, row, "x_min")) / size);
+    return scree_most(error, fabs(c.slowest - check_number(table, row, "v_min")) / speed);
 }
 
 /* The spring that holds bends by k/k_t of the way, at 1e3, 1e4 and 1e5: a few times that is the error, and the step,
@@ -746,9 +746,9 @@ static void test_walton(void) {
                 double e_t = after.velocity[0] / tangent, spin = radius * after.spin[1];
                 double recoil = (after.velocity[0] - spin) / after.velocity[2];
                 double error = fabs(e_t - check_number(table, row, "e_t"));
-                error = fmax(error, fabs(spin - check_number(table, row, "R_omega_over_vn")));
-                error = fmax(error, fabs(recoil - check_number(table, row, "recoil_tan")));
-                worst[l][n] = fmax(worst[l][n], error);
+                error = scree_most(error, fabs(spin - check_number(table, row, "R_omega_over_vn")));
+                error = scree_most(error, fabs(recoil - check_number(table, row, "recoil_tan")));
+                worst[l][n] = scree_most(worst[l][n], error);
             }
     }
     CHECK(slid > 15);
@@ -782,7 +782,7 @@ static void test_oblique_mindlin(void) {
             scree_body_state after = rebound(&c);
             double slip = after.velocity[0] - radius * after.spin[1];
             double error = fabs(slip - check_number(table, row, "vs_rebound_over_vn"));
-            worst[memory_in_force][n] = fmax(worst[memory_in_force][n], error / fmax(1.0, tangent));
+            worst[memory_in_force][n] = scree_most(worst[memory_in_force][n], error / fmax(1.0, tangent));
         }
         rows++;
     }
@@ -809,7 +809,7 @@ static void test_touch_anywhere(void) {
         c.step = duration / (50 << (2 * finer));
         for (int phase = 0; phase < PHASES; phase++) {
             c.gap = c.step * phase / PHASES;
-            worst = fmax(worst, fabs(rebound(&c).velocity[0] - fine));
+            worst = scree_most(worst, fabs(rebound(&c).velocity[0] - fine));
         }
         if (getenv("SCREE_SHOW")) printf("touch anywhere %g of %g\n", worst, 0.4 * part * part * (c.tangent - fine));
         NEAR(worst, 0.0, 0.4 * part * part * (c.tangent - fine));
@@ -859,7 +859,7 @@ static void test_stable_steps(void) {
         for (int n = 0; n < 400; n++) {
             go(scene, 100);
             scree_body_state state = state_of(scene, "ball");
-            fastest = fmax(fastest, vec_norm(vec_from(state.velocity)) + radius * vec_norm(vec_from(state.spin)));
+            fastest = scree_most(fastest, vec_norm(vec_from(state.velocity)) + radius * vec_norm(vec_from(state.spin)));
         }
         if (fastest > 6e-3) printf("  %s\n", cases[k][0]);
         CHECK(fastest < 6e-3); /* at first 1e-3 + R 0.11 rad/s = 2.1e-3; the same energy can all be in one motion */

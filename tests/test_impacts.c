@@ -438,7 +438,7 @@ static double check_energy(const struct scree_rule *rule, uint64_t *seed) {
         CHECK(after.ending == SCREE_PARTED);
         CHECK(left <= before + allowed);
         NEAR((before - left - after.lost_normal - after.lost_tangential) / before, 0.0, error);
-        most = fmax(most, left / before - 1.0 - error);
+        most = scree_most(most, left / before - 1.0 - error);
     }
     return most;
 }
@@ -464,7 +464,7 @@ static void test_energy(void) {
                 wanted = restitutions[k];
                 uint64_t seed = seed_of(scree_normal_laws[n]->text.name, law->text.name, k);
                 struct scree_rule rule = plausible_rule(n, f);
-                published = fmax(published, check_energy(&rule, &seed));
+                published = scree_most(published, check_energy(&rule, &seed));
                 scree_free_rule(&rule);
             }
     CHECK(published > 0.0); /* it can be seen */

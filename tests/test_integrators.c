@@ -73,7 +73,7 @@ static struct spread spread_of(const struct binary *b, const char *integrator, d
         long ignored;
         double step = duration / (n - 0.5 + (phase + 0.5) / PHASES);
         double error = fabs(rebound(b->law, integrator, step, &ignored) - b->restitution);
-        spread.largest = fmax(spread.largest, error);
+        spread.largest = scree_most(spread.largest, error);
         spread.rms += error * error / PHASES;
     }
     spread.rms = sqrt(spread.rms);
@@ -199,8 +199,8 @@ static void test_remembering(void) {
             scree_scene_destroy(scene);
             if (phase < 0) reference = speed;
             if (phase < 0) continue;
-            worst[phase % 2] = fmax(worst[phase % 2], fabs(speed - reference));
-            lacking = fmax(lacking, fabs(energy.balance));
+            worst[phase % 2] = scree_most(worst[phase % 2], fabs(speed - reference));
+            lacking = scree_most(lacking, fabs(energy.balance));
         }
         show("remembering", laws[k], worst[0], worst[1]);
         NEAR(worst[0], 0.0, 3e-5);
@@ -254,7 +254,7 @@ static double worst_row(int count, const char *law, double duration, double n, c
     for (int phase = 0; phase < PHASES; phase++) {
         double part = (phase + 0.5) / PHASES, step = duration / (n - 0.5 + part);
         run_row(count, law, fmod(7.3 * part, 1.0), step, pair_impulse, speed);
-        for (int k = 0; k < count; k++) worst = fmax(worst, fabs(speed[k] - reference[k]));
+        for (int k = 0; k < count; k++) worst = scree_most(worst, fabs(speed[k] - reference[k]));
     }
     return worst;
 }
@@ -369,7 +369,7 @@ static double worst_strike(const struct oblique *o, double n, int substeps, doub
         for (int phase = 0; phase < 16; phase++) {
             double part = (phase + 0.5) / 16.0, step = o->duration / (n - 0.5 + part);
             strike(5.0 + 5.0 * k, o->laws, step, fmod(7.3 * part, 1.0), pair_impulse, substeps, v);
-            worst = fmax(worst, fmax(fabs(v[0] - reference[k][0]), fabs(v[1] - reference[k][1])));
+            worst = scree_most(worst, scree_most(fabs(v[0] - reference[k][0]), fabs(v[1] - reference[k][1])));
         }
     return worst;
 }
@@ -556,7 +556,7 @@ static void graze(const char *laws, double step, const char *integrator, double 
 
 static double largest_difference(const double a[12], const double b[12]) {
     double largest = 0.0;
-    for (int k = 0; k < 12; k++) largest = fmax(largest, fabs(a[k] - b[k]));
+    for (int k = 0; k < 12; k++) largest = scree_most(largest, fabs(a[k] - b[k]));
     return largest;
 }
 
@@ -564,7 +564,7 @@ static double worst_graze(const char *laws, double n, const double reference[12]
     double worst = 0.0, numbers[12];
     for (int phase = 0; phase < 8; phase++) {
         graze(laws, 1.46e-3 / (n - 0.5 + (phase + 0.5) / 8.0), pair_impulse, numbers, NULL);
-        worst = fmax(worst, largest_difference(numbers, reference));
+        worst = scree_most(worst, largest_difference(numbers, reference));
     }
     return worst;
 }
@@ -612,9 +612,9 @@ static void test_books_of_grazes(void) {
         for (int phase = 0; phase < 2 * 8; phase++) {
             double *worst = &wrong[phase % 2], part = (phase / 2 + 0.5) / 8.0;
             graze(grazes[l], 1.46e-3 / (n[phase % 2] - 0.5 + part), pair_impulse, numbers, &books);
-            *worst = fmax(*worst, fabs(books.balance));
-            *worst = fmax(*worst, fabs(books.lost_normal - fine.lost_normal));
-            *worst = fmax(*worst, fabs(books.lost_tangential - fine.lost_tangential));
+            *worst = scree_most(*worst, fabs(books.balance));
+            *worst = scree_most(*worst, fabs(books.lost_normal - fine.lost_normal));
+            *worst = scree_most(*worst, fabs(books.lost_tangential - fine.lost_tangential));
         }
         show("books", grazes[l] + 9, wrong[0], wrong[1]);
         for (int k = 0; k < 2; k++) NEAR(wrong[k], 0.0, errs[k]);
@@ -663,8 +663,8 @@ static void watch(scree_scene *scene, long steps, double *speed, double *way) {
         for (int k = 0; k < count; k++) {
             scree_body_state now = scree_scene_body(scene, k);
             struct vec moved = vec_sub(vec_from(now.position), vec_from(start[k].position));
-            *speed = fmax(*speed, vec_norm(vec_from(now.velocity)));
-            *way = fmax(*way, vec_norm(moved));
+            *speed = scree_most(*speed, vec_norm(vec_from(now.velocity)));
+            *way = scree_most(*way, vec_norm(moved));
         }
     }
 }
@@ -768,7 +768,7 @@ static void test_limit(void) {
         const char *changes[] = {change};
         scene = scene_from(text, changes, 1, 1);
         if (scree_scene_step(scene, 3000)) fastest = 1.0; /* stopped: spheres in each other */
-        for (int b = 0; b < 11; b++) fastest = fmax(fastest, fabs(scree_scene_body(scene, b).velocity[2]));
+        for (int b = 0; b < 11; b++) fastest = scree_most(fastest, fabs(scree_scene_body(scene, b).velocity[2]));
         CHECK(k % 2 ? fastest > 1e-4 : fastest < 2e-5);
         scree_scene_destroy(scene);
     }
@@ -799,7 +799,7 @@ static void test_books(void) {
         for (long n = 0; n < 10000L * (k < 3 ? 1 << k : 16); n += 50) {
             go(scene, 50);
             CHECK(scree_scene_energy(scene, &energy) == SCREE_OK);
-            worst = fmax(worst, fabs(energy.balance));
+            worst = scree_most(worst, fabs(energy.balance));
         }
         CHECK(energy.lost_normal > 1e-3 && energy.lost_tangential > 1e-4);
         way[k] = state_of(scene, "box").position[0];

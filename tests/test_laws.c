@@ -390,7 +390,7 @@ static void test_coulomb_unloads(void) {
             taken -= 2.0 * at.half * vec_dot(f.force, at.velocity);
             at.stretch = f.stretch;
             at.sliding = f.sliding;
-            least = fmin(least, taken - (law->stored(&rule.friction_constants, no_pair, at) - first));
+            least = scree_least(least, taken - (law->stored(&rule.friction_constants, no_pair, at) - first));
         }
         CHECK(least >= -1e-16); /* rounding of 4.5e-4 J */
     }

@@ -86,7 +86,7 @@ static void test_nist(void) {
         if (digits < 9.5) printf("  %s from start %d: %.1f digits\n", nist->name, run % 2 + 1, digits);
         CHECK(digits >= 9.5 || !outcome.converged); /* no false success */
         solved += digits >= 9.5 && outcome.converged;
-        least = fmin(least, digits);
+        least = scree_least(least, digits);
         double reference = reference_calls(table, run, nist->name, run % 2 + 1);
         sum_log += log(calls / reference);
         total += calls;
@@ -135,9 +135,9 @@ static double cosine_at(const scree_lm_problem *problem, const double *x, const 
             length += j[k * m + i] * j[k * m + i];
         }
         /* At a bound only a gradient that points inside counts. */
-        if (lower && x[k] == lower[k]) gradient = fmin(gradient, 0.0);
-        if (upper && x[k] == upper[k]) gradient = fmax(gradient, 0.0);
-        if (gradient != 0.0) worst = fmax(worst, fabs(gradient) / sqrt(length * square));
+        if (lower && x[k] == lower[k]) gradient = scree_least(gradient, 0.0);
+        if (upper && x[k] == upper[k]) gradient = scree_most(gradient, 0.0);
+        if (gradient != 0.0) worst = scree_most(worst, fabs(gradient) / sqrt(length * square));
     }
     *sum = square;
     return worst;
@@ -794,7 +794,8 @@ static void test_differences_of_nist(void) {
         problem.jacobian(problem.context, nist->refined, j);
         problem.jacobian = NULL;
         CHECK(solve(&problem, &(scree_lm_options){.evaluations = 20000}, x).converged);
-        for (int k = 0; k < n; k++) condition = fmax(condition, nist->deviation[k] * scree_norm(m, j + k * m) / s);
+        for (int k = 0; k < n; k++)
+            condition = scree_most(condition, nist->deviation[k] * scree_norm(m, j + k * m) / s);
         double error = 4e-11 + 6e-12 * (strcmp(nist->name, "Eckerle4") == 0 ? 1e4 : 100.0);
         double deviations = condition * sqrt(m) * n * error + DBL_EPSILON * scree_norm(m, nist->y) / s;
         for (int k = 0; k < n; k++) NEAR(x[k], nist->refined[k], nist->deviation[k] * deviations);

@@ -447,9 +447,9 @@ static void walk(const struct normal *n, struct way way, int parts, struct scree
         /* No power is made. */
         CHECK((force - f.reversible) * at->closing >= -1e-12 * size);
         seen->sum += h * f.reversible;
-        if (phase > 0.01 && fabs(at->overlap) > 2e-5) seen->jump = fmax(seen->jump, fabs(force - before));
+        if (phase > 0.01 && fabs(at->overlap) > 2e-5) seen->jump = scree_most(seen->jump, fabs(force - before));
         before = force;
-        seen->largest = fmax(seen->largest, fabs(force));
+        seen->largest = scree_most(seen->largest, fabs(force));
         at->overlap = way.from + (k + 1) * h;
         f = force_of(n, *at);
         at->first = f.first;
@@ -588,7 +588,7 @@ static void test_jkr_force(void) {
          * times; at the distance itself rounding decides whether it still holds. */
         double beyond = sqrt(a / contact) - 1.0;
         if (k > 0) NEAR(force_of(&n, scree_pressed(d, 0.0, 0.0, 1.0)).elastic, f, (1e-15 / beyond + 1e-14) * size);
-        least = fmin(least, f);
+        least = scree_least(least, f);
     }
     double at_least = -cbrt(3.0) * length;
     CLOSE(force_of(&n, scree_pressed(at_least, 0.0, 0.0, 1.0)).elastic, -1.5 * pi * w * radius, 1e-14);
@@ -644,13 +644,13 @@ static void test_reach(void) {
     static const int every[] = {1, 7, 100000};
     for (int k = 0; k < 3; k++) {
         scree_scene *scene = hanging("jkr", -0.00399, -1.0, 0.0);
-        scene->contacts.skin = fmin(scene->contacts.skin, 1.2 * reach);
+        scene->contacts.skin = scree_least(scene->contacts.skin, 1.2 * reach);
         double farthest = 0.0, gap = 0.0;
         for (int step = 0; step < 2000 && gap < 2.0 * reach; step++) {
             go(scene, 1);
             if (step % every[k] == 0) CHECK(scree_contacts_list(&scene->contacts, &scene->bodies, 1, NULL) == SCREE_OK);
             gap = -scree_scene_body(scene, 1).position[2] - 0.004;
-            if (touching(scene)) farthest = fmax(farthest, gap);
+            if (touching(scene)) farthest = scree_most(farthest, gap);
         }
         CHECK(gap > reach);
         /* It lets go in the middle of a step, 1e-6 m long. */

@@ -243,7 +243,7 @@ static double worst_pile(const struct pile *p, double n, const double *right) {
     double worst = 0.0, numbers[PILE];
     for (int k = 0; k < 16; k++) {
         run_pile(p, pair, n - 0.5 + (k + 0.5) / 16.0, numbers);
-        for (int i = 0; i < PILE; i++) worst = fmax(worst, fabs(numbers[i] - right[i]));
+        for (int i = 0; i < PILE; i++) worst = scree_most(worst, fabs(numbers[i] - right[i]));
     }
     return worst;
 }
@@ -265,7 +265,7 @@ static void test_pile(void) {
         run_pile(&piles[k], pair, 4000.0, right);
         run_pile(&piles[k], verlet, 4000.0, other);
         double apart = 0.0;
-        for (int i = 0; i < PILE; i++) apart = fmax(apart, fabs(right[i] - other[i]));
+        for (int i = 0; i < PILE; i++) apart = scree_most(apart, fabs(right[i] - other[i]));
         double at20 = worst_pile(&piles[k], 20.0, right), at50 = worst_pile(&piles[k], 50.0, right);
         if (getenv("SCREE_SHOW")) printf("pile %-48.48s %.2e %.2e, verlet %.1e\n", piles[k].laws, at20, at50, apart);
         NEAR(apart, 0.0,
@@ -300,7 +300,7 @@ static double oblique_error(double damping, int finer) {
         number[exact][2] = state.spin[1];
         scree_scene_destroy(scene);
     }
-    for (int k = 0; k < 3; k++) error = fmax(error, fabs(number[0][k] / number[1][k] - 1.0));
+    for (int k = 0; k < 3; k++) error = scree_most(error, fabs(number[0][k] / number[1][k] - 1.0));
     return error;
 }
 

@@ -119,11 +119,11 @@ static void test_extrema(void) {
                 const struct scree_segment *segment = &profile.segment[s];
                 double h = segment->duration / SAMPLES;
                 /* A sample is at most h/2 from the extremum, where the slope is zero. */
-                gap = fmax(gap, derivative_bound(segment, order + 2) * h * h / 8.0);
+                gap = scree_most(gap, derivative_bound(segment, order + 2) * h * h / 8.0);
                 for (int i = 0; i <= SAMPLES; i++) {
                     double x = component(scree_segment_at(segment, i * h), order);
-                    least = fmin(least, x);
-                    largest = fmax(largest, x);
+                    least = scree_least(least, x);
+                    largest = scree_most(largest, x);
                 }
             }
             NEAR(component(exact.largest, order), largest, gap + 1e-12);
@@ -224,7 +224,7 @@ static double sampled_jerk(const double *c, double d) {
     double largest = 0.0;
     for (int k = 0; k <= 100000; k++) {
         double u = k / 100000.0;
-        largest = fmax(largest, fabs(2 * c[2] + u * (6 * c[3] + u * (12 * c[4] + u * 20 * c[5]))) / (d * d));
+        largest = scree_most(largest, fabs(2 * c[2] + u * (6 * c[3] + u * (12 * c[4] + u * 20 * c[5]))) / (d * d));
     }
     return largest;
 }
@@ -262,7 +262,7 @@ static void test_table_a(void) {
         for (int k = 0; k < 4; k++) {
             double c[6], d = plan.time[k + 1] - plan.time[k];
             for (int i = 0; i < 6; i++) c[i] = plan.profile.segment[k].c[i + 1] * (i + 1) / d;
-            sampled = fmax(sampled, sampled_jerk(c, d));
+            sampled = scree_most(sampled, sampled_jerk(c, d));
         }
         CLOSE(scree_extrema_jerk(&plan.extrema), sampled, 1e-9); /* a parabola's top, missed by up to 5e-6 */
         NEAR(plan.event[4].x, s - play, 1e-16);
@@ -647,9 +647,9 @@ static void test_rises(void) {
         for (int i = 0; i <= 8000; i++) {
             double u = i / 8000.0;
             struct scree_kinematics at = scree_cam_at(law, u), mirrored = scree_cam_at(law, 1.0 - u);
-            v = fmax(v, fabs(at.v));
-            a = fmax(a, fabs(at.a));
-            j = fmax(j, fabs(at.j));
+            v = scree_most(v, fabs(at.v));
+            a = scree_most(a, fabs(at.a));
+            j = scree_most(j, fabs(at.j));
             NEAR(at.x + mirrored.x, 1.0, 1e-14);
             NEAR(at.v, mirrored.v, 1e-14);
             NEAR(at.a, -mirrored.a, 1e-13);
@@ -849,7 +849,7 @@ static void test_map_placing(void) {
                     struct scree_profile profile;
                     double n = knots[k].cycles + (knots[k + 1].cycles - knots[k].cycles) * i / 40.0;
                     CHECK(scree_map_profile(&map, n, &profile) == SCREE_MAP_GOOD);
-                    worst = fmax(worst, fabs(scree_map_clearance(&t, &profile, n)));
+                    worst = scree_most(worst, fabs(scree_map_clearance(&t, &profile, n)));
                 }
             }
             /* Between six samples an arch of error is missed by (1/12)^2 of its height twice over; bound at 5 %. */

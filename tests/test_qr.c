@@ -50,7 +50,8 @@ static void check_factors(const struct factored *f) {
         seen[f->pivot[j]]++;
         memcpy(column, f->a + f->pivot[j] * f->m, (size_t)f->m * sizeof(double));
         scree_qr_transform(f->m, f->n, f->q, column);
-        for (int i = 0; i < f->m; i++) error = fmax(error, fabs(column[i] - (i < f->n ? f->r[j * f->n + i] : 0.0)));
+        for (int i = 0; i < f->m; i++)
+            error = scree_most(error, fabs(column[i] - (i < f->n ? f->r[j * f->n + i] : 0.0)));
         CHECK(error <= limit * norm);
         CLOSE(scree_norm(f->m, column), norm, limit);
         CLOSE(f->norms[f->pivot[j]], norm, limit);
@@ -121,7 +122,7 @@ static double normal_equations(const struct factored *f, const double *right, co
                terms = par * d[j] * d[j] * fabs(p[j]);
         terms += f->norms[j] * scree_norm(f->m, right);
         for (int k = 0; k < f->n; k++) terms += f->norms[j] * f->norms[k] * fabs(p[k]);
-        worst = fmax(worst, fabs(sum) / terms);
+        worst = scree_most(worst, sum == 0.0 ? 0.0 : fabs(sum) / terms); /* a column of zeros has no terms */
     }
     return worst;
 }

@@ -64,7 +64,7 @@ static double least_gap(const scree_scene *scene, double low, double high) {
             scree_body_state b = scree_scene_body(scene, j);
             double s = scree_scene_body_shape(scene, j).radius;
             double gap = vec_norm(vec_sub(vec_from(a.position), vec_from(b.position))) - r - s;
-            least = fmin(least, gap / fmin(r, s));
+            least = scree_least(least, gap / fmin(r, s));
         }
     }
     return least;
@@ -85,8 +85,8 @@ static void test_random(void) {
     double smallest = HUGE_VAL, largest = 0.0, mean = 0.0;
     for (int k = 0; k < 2000; k++) {
         double r = scree_scene_body_shape(scene, k).radius;
-        smallest = fmin(smallest, r);
-        largest = fmax(largest, r);
+        smallest = scree_least(smallest, r);
+        largest = scree_most(largest, r);
         mean += r / 2000;
     }
     CHECK(smallest >= 0.0002 && smallest < 0.00021 && largest <= 0.002 && largest > 0.00198);
@@ -498,7 +498,7 @@ static void test_periodic_shift(void) {
         for (int k = 0; k < scene[0]->bodies.count; k++) {
             const double *v = scene[0]->bodies.state[scene[0]->bodies.place[k]].v,
                          *other = scene[1]->bodies.state[scene[1]->bodies.place[k]].v;
-            for (int axis = 0; axis < 3; axis++) worst = fmax(worst, fabs(v[axis] - other[axis]));
+            for (int axis = 0; axis < 3; axis++) worst = scree_most(worst, fabs(v[axis] - other[axis]));
         }
         CHECK(seen > 50); /* lists hold what is near at the moment: an image or so a look */
         /* Rounding of places (1e-17 m) grows by some 10 for each impact, of which a ball has three or four. */

@@ -130,7 +130,7 @@ static double most_unnoticed(const scree_scene *scene) {
         const double *inverse = inertia->inverse_moments;
         struct vec pull = vec_axpy(vec_from(scene->gravity.vector), 1.0 / (inertia->mass * step), load[k]);
         double spin = fmax(inverse[0], fmax(inverse[1], inverse[2])) * vec_norm(turn[k]) / step;
-        most = fmax(most, vec_norm(pull) + spin * bodies->record[k].bound);
+        most = scree_most(most, vec_norm(pull) + spin * bodies->record[k].bound);
     }
     free(load);
     return most / (4.0 * scene->contacts.rest.pull);
@@ -147,7 +147,7 @@ static void test_promise(const char *text, FILE *begun) {
         go(scene, 501);
         last = asleep_of(scene);
         most = last > most ? last : most;
-        unnoticed = fmax(unnoticed, most_unnoticed(scene));
+        unnoticed = scree_most(unnoticed, most_unnoticed(scene));
     }
     CHECK(most > 1000 && last < 100);
     CHECK(unnoticed > 0.1 && unnoticed < 1.1);

@@ -92,7 +92,7 @@ scree_status figure_5a(struct figures *figures) {
         double v_product = scree_scene_body(scene, product).velocity[0];
         fprintf(out.file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", time, x,
                 scree_scene_body(scene, comb).velocity[0], rear_face(scene), v_product, x_rigid, v_rigid);
-        worst = fmax(worst, fabs(v_product - v_rigid));
+        worst = scree_most(worst, fabs(v_product - v_rigid));
         status = scree_scene_step(scene, 200);
         if (status) figures->trouble = *scree_scene_trouble(scene);
     }

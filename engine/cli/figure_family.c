@@ -39,8 +39,8 @@ static scree_status draw_law(struct figures *figures, const char *name, FILE *fi
         double asked = (double)k / ASKED, published = 0.0, calibrated = 0.0, closed = 0.0, exact = 0.0;
         status = deliver(name, asked, 0.0, &published, &closed, &figures->trouble);
         if (!status) status = deliver(name, asked, 1.0, &calibrated, &exact, &figures->trouble);
-        off_formula = fmax(off_formula, fabs(published - closed));
-        off_wish = fmax(off_wish, fabs(calibrated - asked));
+        off_formula = scree_most(off_formula, fabs(published - closed));
+        off_wish = scree_most(off_wish, fabs(calibrated - asked));
         fprintf(file, "%s,%.17g,%.17g,%.17g\n", name, asked, published, calibrated);
     }
     fprintf(file, "\n\n");

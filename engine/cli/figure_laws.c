@@ -144,7 +144,7 @@ static scree_status run_friction(struct figures *figures, const struct scree_fri
             normal += contact[c].normal_force;
         }
         if (k >= 250) fprintf(file, "\"%s\",%.17g,%.17g\n", law->text.name, v, -friction / normal);
-        *worst = fmax(*worst, fabs(friction / normal - coefficient(law, &rule, v)));
+        *worst = scree_most(*worst, fabs(friction / normal - coefficient(law, &rule, v)));
     }
     if (status) figures->trouble = *scree_scene_trouble(scene);
     scree_scene_destroy(scene);

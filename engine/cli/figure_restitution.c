@@ -173,8 +173,9 @@ scree_status figure_13(struct figures *figures) {
         double worst = 0.0, agree = 0.0;
         for (int k = 0; k < SPEEDS; k++) {
             const struct meeting *m = &meetings[law][k];
-            worst = fmax(worst, fabs(m->simulated / m->expected - 1.0));
-            if (!laws[law].friction && !isnan(m->constant)) agree = fmax(agree, fabs(m->expected / m->constant - 1.0));
+            worst = scree_most(worst, fabs(m->simulated / m->expected - 1.0));
+            if (!laws[law].friction && !isnan(m->constant))
+                agree = scree_most(agree, fabs(m->expected / m->constant - 1.0));
         }
         const struct meeting *m = &meetings[law][9];
         snprintf(quantity, sizeof quantity, "v_P at 1 m/s, %s (m/s)", laws[law].label);

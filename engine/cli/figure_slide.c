@@ -138,7 +138,7 @@ scree_status figure_12(struct figures *figures) {
     double worst = 0.0;
     for (int t = 0; t < THRESHOLDS; t++)
         for (int k = 0; k < SPEEDS; k++)
-            worst = fmax(worst, fabs(slides[t][k].distance - exact_distance(slides[t][k].left, thresholds[t])));
+            worst = scree_most(worst, fabs(slides[t][k].distance - exact_distance(slides[t][k].left, thresholds[t])));
     figures_report(figures, "12", "sliding distance less exact, largest over all speeds (m)", 0.0, worst,
                    pitch_shift());
     const struct slide *fast = &slides[0][SPEEDS - 1], *slow = &slides[0][0];

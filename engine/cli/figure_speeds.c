@@ -210,8 +210,8 @@ static scree_status report_16(struct figures *figures, const struct process *pro
     scree_status status = run_trials(figures, process, trials, 2 * SPEEDS_16);
     if (status) return status;
     for (int n = 0; n < 2 * SPEEDS_16; n++) {
-        position[n % 2] = fmax(position[n % 2], fabs(trials[n].run.error));
-        if (n % 2 == 0) approach = fmax(approach, trials[n].run.approach);
+        position[n % 2] = scree_most(position[n % 2], fabs(trials[n].run.error));
+        if (n % 2 == 0) approach = scree_most(approach, trials[n].run.approach);
     }
     figures_report(figures, "16", "planned at 41 speeds of 300 to 700/min: final position error (m)", 0.0, position[0],
                    5e-5);
@@ -323,8 +323,8 @@ scree_status figure_forces(struct figures *figures) {
         const struct process_run *old = &trials[2 * n].run, *new = &trials[2 * n + 1].run;
         fprintf(out.file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", trials[2 * n].cycles, old->catch_force,
                 old->approach, new->catch_force, new->approach, old->error, new->error);
-        impact = fmax(impact, new->approach);
-        if (old->catch_force > 0.0) relief = fmax(relief, new->catch_force / old->catch_force);
+        impact = scree_most(impact, new->approach);
+        if (old->catch_force > 0.0) relief = scree_most(relief, new->catch_force / old->catch_force);
     }
     status = scree_out_keep(&out, &figures->trouble);
     figures_report(figures, "forces", "largest impact speed of the new motion, 125 to 700/min (m/s)", 0.0, impact,

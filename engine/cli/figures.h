@@ -3,6 +3,7 @@
 #ifndef SCREE_CLI_FIGURES_H
 #define SCREE_CLI_FIGURES_H
 
+#include "bodies/elementary.h"
 #include "engine/cli/process.h"
 #include "engine/file.h"
 

@@ -180,8 +180,8 @@ scree_status suite_wall(struct figures *figures) {
     if (!status) status = figures_step(figures, scene, 25000);
     for (int k = 0; k < bricks; k++) {
         scree_body_state brick = scree_scene_body(scene, k + 1);
-        for (int i = 0; i < 3; i++) moved = fmax(moved, fabs(brick.position[i] - before[k][i]));
-        turned = fmax(turned, 2.0 * sqrt(1.0 - fmin(brick.orientation[0] * brick.orientation[0], 1.0)));
+        for (int i = 0; i < 3; i++) moved = scree_most(moved, fabs(brick.position[i] - before[k][i]));
+        turned = scree_most(turned, 2.0 * sqrt(1.0 - fmin(brick.orientation[0] * brick.orientation[0], 1.0)));
     }
     scree_scene_destroy(scene);
     if (status) return status;

@@ -76,9 +76,9 @@ static scree_status strike(struct figures *figures, const struct strike *s, stru
         memmove(overlap, overlap + 1, 2 * sizeof *overlap);
         force[2] = touches ? contact.normal_force : 0.0;
         overlap[2] = touches ? contact.overlap : 0.0;
-        if (force[1] >= force[0] && force[1] >= force[2]) result->force = fmax(result->force, peak(force));
+        if (force[1] >= force[0] && force[1] >= force[2]) result->force = scree_most(result->force, peak(force));
         if (overlap[1] >= overlap[0] && overlap[1] >= overlap[2])
-            result->overlap = fmax(result->overlap, peak(overlap));
+            result->overlap = scree_most(result->overlap, peak(overlap));
     }
     result->other = scree_scene_body(scene, 0);
     result->ball = scree_scene_body(scene, 1);
@@ -136,7 +136,7 @@ scree_status suite_chung_ooi_restitution(struct figures *figures) {
             struct result result;
             scree_status status = strike(figures, &s, &result);
             if (status) return status;
-            worst = fmax(worst, fabs(result.ball.velocity[2] / 3.9 - e));
+            worst = scree_most(worst, fabs(result.ball.velocity[2] / 3.9 - e));
         }
         char quantity[96];
         snprintf(quantity, sizeof quantity, "3: restitution got less asked, %.1f (Kratos 7.5e-3, Chrono 1e-3)", e);
@@ -243,9 +243,9 @@ static scree_status report_oblique(struct figures *figures, const struct oblique
         double push = s.mu * (1.0 + s.restitution) * s.normal;
         struct rebound exact = by_small_steps(&s, o->damping);
         if (degrees >= o->slides)
-            tangential = fmax(tangential, fabs((result.ball.velocity[0] - s.sideways + push) / s.sideways));
-        sideways = fmax(sideways, fabs(result.ball.velocity[0] - exact.sideways) / s.normal);
-        spin = fmax(spin, fabs(result.ball.spin[1] - exact.spin) * s.radius / s.normal);
+            tangential = scree_most(tangential, fabs((result.ball.velocity[0] - s.sideways + push) / s.sideways));
+        sideways = scree_most(sideways, fabs(result.ball.velocity[0] - exact.sideways) / s.normal);
+        spin = scree_most(spin, fabs(result.ball.spin[1] - exact.spin) * s.radius / s.normal);
     }
     char quantity[96];
     snprintf(quantity, sizeof quantity, "%s: tangential restitution, %g to 85 deg", o->name, o->slides);
@@ -268,8 +268,8 @@ static scree_status report_rigid_levers(struct figures *figures, const struct ob
         scree_status status = strike_at(figures, &s, 5.0 + (o->speed > 0.0 ? 5.0 : 10.0) * k, o->speed, &result);
         if (status) return status;
         double after = result.ball.velocity[0] - s.radius * result.ball.spin[1];
-        worst = fmax(worst, fabs(after / s.normal - o->after[k]));
-        sunk = fmax(sunk, result.overlap / s.radius);
+        worst = scree_most(worst, fabs(after / s.normal - o->after[k]));
+        sunk = scree_most(sunk, result.overlap / s.radius);
     }
     char quantity[96];
     snprintf(quantity, sizeof quantity, "%s: contact's speed, less that of rigid levers", o->name);
@@ -307,14 +307,14 @@ static scree_status report_kharaz(struct figures *figures) {
     scree_status status = SCREE_OK;
     for (int k = 0; k < 5 && !status; k++) {
         status = strike_as_kharaz(figures, kharaz[k][0], &s, &result);
-        restitution = fmax(restitution, fabs(result.ball.velocity[0] / s.sideways - kharaz[k][1]));
+        restitution = scree_most(restitution, fabs(result.ball.velocity[0] / s.sideways - kharaz[k][1]));
         if (!status) status = strike_as_kharaz(figures, kharaz_spin[k][0], &s, &result);
-        spin = fmax(spin, fabs(result.ball.spin[1] / kharaz_spin[k][1] - 1.0));
+        spin = scree_most(spin, fabs(result.ball.spin[1] / kharaz_spin[k][1] - 1.0));
     }
     for (int k = 0; k < 11 && !status; k++) {
         status = strike_as_kharaz(figures, kharaz_angle[k][0], &s, &result);
         double slips = result.ball.velocity[0] - s.radius * result.ball.spin[1];
-        angle = fmax(angle, fabs(atan(slips / result.ball.velocity[2]) * 180.0 / pi - kharaz_angle[k][1]));
+        angle = scree_most(angle, fabs(atan(slips / result.ball.velocity[2]) * 180.0 / pi - kharaz_angle[k][1]));
     }
     if (status) return status;
     figures_report(figures, "4-5", "4 oxide, measured (Kharaz 2001): e_t, 20 to 60 deg", 0.0, restitution, 0.02);
@@ -340,8 +340,8 @@ static scree_status report_foerster(struct figures *figures, const char *name, c
         double after = result.ball.velocity[0] - result.other.velocity[0] -
                        s.radius * (result.ball.spin[1] + result.other.spin[1]);
         double off = fabs(after / s.normal - fmax(-beta * x, x - slide));
-        if (x > 1.25 * slide) slides = fmax(slides, off / x);
-        sticks = fmax(sticks, off);
+        if (x > 1.25 * slide) slides = scree_most(slides, off / x);
+        sticks = scree_most(sticks, off);
     }
     char quantity[96];
     snprintf(quantity, sizeof quantity, "%s, measured (Foerster 1994): rebound where it slides", name);
@@ -379,8 +379,8 @@ static scree_status report_spin(struct figures *figures, const char *test, int n
         scree_status status = strike(figures, &s, &result);
         if (status) return status;
         double after = result.ball.velocity[0] - s.radius * result.ball.spin[1];
-        worst = fmax(worst, fabs(after / (s.radius * spin) - recoil[nylon][k]));
-        sunk = fmax(sunk, result.overlap / s.radius);
+        worst = scree_most(worst, fabs(after / (s.radius * spin) - recoil[nylon][k]));
+        sunk = scree_most(sunk, result.overlap / s.radius);
     }
     figures_report(figures, "6-8", test, 0.0, worst, sunk + 1e-5);
     return SCREE_OK;

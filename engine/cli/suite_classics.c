@@ -57,9 +57,9 @@ scree_status suite_incline(struct figures *figures) {
                            : tan(s.angle) <= 3.5 * s.mu ? 5.0 / 7.0 * gravity * sin(s.angle)
                                                         : slides;
                 if (expected > 0.0)
-                    worst[box] = fmax(worst[box], fabs(along / expected - 1.0));
+                    worst[box] = scree_most(worst[box], fabs(along / expected - 1.0));
                 else
-                    creep = fmax(creep, fabs(along));
+                    creep = scree_most(creep, fabs(along));
             }
     figures_report(figures, "incline", "acceleration of a sphere, worst of 36 (MuJoCo 5e-5)", 0.0, worst[0], 2.5e-7);
     figures_report(figures, "incline", "acceleration of a block that slides, worst", 0.0, worst[1], 1e-6);
@@ -106,11 +106,11 @@ scree_status suite_rolling(struct figures *figures) {
         if (!scene) return figures->trouble.status;
         double rate = 5.0 / 7.0 * rolls[k] * gravity, stop = 0.1 / rate, step = scree_scene_step_length(scene);
         scree_status status = figures_step(figures, scene, lround(0.5 * stop / step));
-        worst =
-            fmax(worst, fabs((0.1 - scree_scene_body(scene, 1).velocity[0]) / scree_scene_time(scene) / rate - 1.0));
+        worst = scree_most(worst,
+                           fabs((0.1 - scree_scene_body(scene, 1).velocity[0]) / scree_scene_time(scene) / rate - 1.0));
         if (!status) status = figures_step(figures, scene, lround((0.8 * stop + 1.0) / step));
-        spin = fmax(spin, fabs(scree_scene_body(scene, 1).spin[1]));
-        way = fmax(way, fabs(scree_scene_body(scene, 1).position[0] / (0.05 * stop) - 1.0));
+        spin = scree_most(spin, fabs(scree_scene_body(scene, 1).spin[1]));
+        way = scree_most(way, fabs(scree_scene_body(scene, 1).position[0] / (0.05 * stop) - 1.0));
         scree_scene_destroy(scene);
         if (status) return status;
     }
@@ -157,7 +157,7 @@ static scree_status cradle_error(struct figures *figures, const struct cradle *c
     if (!scene) return figures->trouble.status;
     scree_status status = figures_step(figures, scene, exact ? 6 : 3000);
     for (int k = 0; k < 3; k++)
-        *worst = fmax(*worst, fabs(scree_scene_body(scene, k).velocity[0] - cradle->expected[k]));
+        *worst = scree_most(*worst, fabs(scree_scene_body(scene, k).velocity[0] - cradle->expected[k]));
     scree_scene_destroy(scene);
     return status;
 }
@@ -189,7 +189,7 @@ scree_status suite_chain(struct figures *figures) {
         y[2] = scree_scene_body(scene, 60).velocity[0];
         if (y[1] > y[0] && y[1] >= y[2]) {
             double bend = y[0] - 2.0 * y[1] + y[2], rise = 0.5 * (y[2] - y[0]);
-            largest = fmax(largest, y[1] - 0.5 * rise * rise / bend);
+            largest = scree_most(largest, y[1] - 0.5 * rise * rise / bend);
         }
     }
     scree_scene_destroy(scene);
@@ -219,8 +219,8 @@ scree_status suite_stack(struct figures *figures) {
         double below = k ? scree_scene_body(scene, k).position[2] : -0.01,
                z = scree_scene_body(scene, k + 1).position[2];
         double overlap = 0.02 - (z - below), expected = pow((10 - k) * 0.01 * gravity / 1e6, 2.0 / 3.0);
-        worst = fmax(worst, fabs(overlap / expected - 1.0));
-        speed = fmax(speed, fabs(scree_scene_body(scene, k + 1).velocity[2]));
+        worst = scree_most(worst, fabs(overlap / expected - 1.0));
+        speed = scree_most(speed, fabs(scree_scene_body(scene, k + 1).velocity[2]));
     }
     scree_scene_destroy(scene);
     /* Heights of 0.2 m are held to 2.8e-17 m, which is 1e-11 of the overlaps. */
@@ -265,8 +265,8 @@ scree_status suite_top(struct figures *figures) {
         const double got[3] = {w.x, w.y, w.z}, *q = tops[k].q;
         double along = 0.0, worst = 0.0;
         for (int i = 0; i < 4; i++) along += top.orientation[i] * q[i];
-        for (int i = 0; i < 3; i++) worst = fmax(worst, fabs(got[i] - tops[k].w[i]));
-        for (int i = 0; i < 4; i++) worst = fmax(worst, fabs(copysign(1.0, along) * top.orientation[i] - q[i]));
+        for (int i = 0; i < 3; i++) worst = scree_most(worst, fabs(got[i] - tops[k].w[i]));
+        for (int i = 0; i < 4; i++) worst = scree_most(worst, fabs(copysign(1.0, along) * top.orientation[i] - q[i]));
         figures_report(figures, "top", tops[k].quantity, 0.0, worst, tops[k].bound);
     }
     return SCREE_OK;
@@ -299,9 +299,9 @@ scree_status suite_viscoelastic(struct figures *figures) {
             scree_scene_destroy(scene);
             if (status) return status;
             if (exact)
-                worst = fmax(worst, error);
+                worst = scree_most(worst, error);
             else
-                coarse = fmax(coarse, error);
+                coarse = scree_most(coarse, error);
         }
     figures_report(figures, "viscoelastic", "restitution, adaptive integrator, worst of 8", 0.0, worst, 1e-10);
     /* 50 steps in an elastic contact, which is 3.218 long. */

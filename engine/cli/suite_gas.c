@@ -116,8 +116,8 @@ static scree_status write_gas(struct figures *figures, const struct gas gas[RUNS
         double mean = 0.0, least = HUGE_VAL, largest = 0.0, law = 1.0 + row / tau;
         for (int run = 0; run < RUNS; run++) {
             mean += gas[run].temperature[row] / RUNS;
-            least = fmin(least, gas[run].temperature[row]);
-            largest = fmax(largest, gas[run].temperature[row]);
+            least = scree_least(least, gas[run].temperature[row]);
+            largest = scree_most(largest, gas[run].temperature[row]);
         }
         fprintf(out.file, "%d,%.17g,%.17g,%.17g,%.17g\n", row, mean, least, largest, 1.0 / (law * law));
     }

@@ -113,7 +113,7 @@ static scree_status height_error(struct figures *figures, const struct fall *f, 
     while (scree_scene_time(scene) < 0.5 && !status) {
         status = figures_step(figures, scene, 1);
         double exact = exact_height(f, height, radius, scree_scene_time(scene));
-        *worst = fmax(*worst, fabs(scree_scene_body(scene, 1).position[2] / exact - 1.0));
+        *worst = scree_most(*worst, fabs(scree_scene_body(scene, 1).position[2] / exact - 1.0));
     }
     scree_scene_destroy(scene);
     return status;
@@ -143,11 +143,11 @@ scree_status suite_dem01(struct figures *figures) {
                 if (status) return status;
                 double fallen = sqrt(2.0 * (height - radius) / gravity), speed = gravity * fallen;
                 struct rebound exact = exact_rebound(&f, speed);
-                worst[cut] = fmax(worst[cut], fabs(apex_after(&after) / exact_apex(&f, speed) - 1.0));
+                worst[cut] = scree_most(worst[cut], fabs(apex_after(&after) / exact_apex(&f, speed) - 1.0));
                 double left = sqrt(after.velocity[2] * after.velocity[2] +
                                    2.0 * gravity * (after.position[2] - radius + exact.overlap));
                 double when = time - (left - after.velocity[2]) / gravity;
-                late[cut] = fmax(late[cut], fabs(when / (fallen + exact.time) - 1.0));
+                late[cut] = scree_most(late[cut], fabs(when / (fallen + exact.time) - 1.0));
             }
     figures_report(figures, "dem01", "height all through 0.5 s, worst of 20 runs (MFiX 3.2e-4 to 1.2e-1)", 0.0, place,
                    3.2e-6);
@@ -167,7 +167,7 @@ static scree_status drift(struct figures *figures, double stiffness, double *wor
     scree_body_state after = {.position = {0.0}};
     for (int n = 0; n < 16 && !status; n++) status = bounce(figures, scene, &after);
     scree_scene_destroy(scene);
-    *worst = fmax(*worst, fabs(apex_after(&after) / (height - radius) - 1.0));
+    *worst = scree_most(*worst, fabs(apex_after(&after) / (height - radius) - 1.0));
     return status;
 }
 
@@ -190,8 +190,8 @@ scree_status suite_dem02(struct figures *figures) {
                 status = bounce(figures, scene, &after);
                 apex = exact_apex(&f, sqrt(2.0 * gravity * apex));
                 hard *= restitution[e] * restitution[e];
-                worst = fmax(worst, fabs(apex_after(&after) - apex) / height);
-                if (k == 2 && n == 0) rigid = fmax(rigid, fabs(apex_after(&after) - hard) / (radius + hard));
+                worst = scree_most(worst, fabs(apex_after(&after) - apex) / height);
+                if (k == 2 && n == 0) rigid = scree_most(rigid, fabs(apex_after(&after) - hard) / (radius + hard));
             }
             scree_scene_destroy(scene);
             if (status) return status;
@@ -274,7 +274,7 @@ scree_status suite_dem03(struct figures *figures) {
             status = figures_step(figures, scene, lround(1e-4 / scree_scene_step_length(scene)));
             press_exactly(&p, scree_scene_time(scene) - time, y);
             for (int b = 0; b < 2; b++)
-                worst[b] = fmax(worst[b], fabs(scree_scene_body(scene, 2 + b).position[2] / y[b] - 1.0));
+                worst[b] = scree_most(worst[b], fabs(scree_scene_body(scene, 2 + b).position[2] / y[b] - 1.0));
         }
         scree_scene_destroy(scene);
         if (status) return status;
@@ -310,11 +310,11 @@ scree_status suite_dem04(struct figures *figures) {
         double time = scree_scene_time(scene);
         scree_scene_destroy(scene);
         if (status) return status;
-        speed = fmax(speed, fabs(ball.velocity[0] / u0 - 5.0 / 7.0) * 7.0 / 5.0);
-        spin = fmax(spin, fabs(r * ball.spin[1] / u0 - 5.0 / 7.0) * 7.0 / 5.0);
+        speed = scree_most(speed, fabs(ball.velocity[0] / u0 - 5.0 / 7.0) * 7.0 / 5.0);
+        spin = scree_most(spin, fabs(r * ball.spin[1] / u0 - 5.0 / 7.0) * 7.0 / 5.0);
         /* x = u (T - t_s) + 12 u0^2/(49 mu g) with t_s = 2 u0/(7 mu g). */
         double end = 2.0 * u0 * u0 / (49.0 * gravity * (ball.position[0] - ball.velocity[0] * time)) / mu;
-        slip = fmax(slip, fabs(end - 1.0));
+        slip = scree_most(slip, fabs(end - 1.0));
     }
     figures_report(figures, "dem04", "speed while rolling, worst of 9 (MFiX 4.2e-4)", 0.0, speed, 4.2e-6);
     figures_report(figures, "dem04", "spin while rolling, worst of 9 (MFiX 4.2e-4)", 0.0, spin, 4.2e-6);
@@ -378,13 +378,13 @@ scree_status suite_dem05(struct figures *figures) {
         scree_status status = strike(figures, degrees, &ball);
         if (status) return status;
         double angle = degrees * pi / 180.0, vn = 3.9 * cos(angle), vt = 3.9 * sin(angle);
-        tangential = fmax(tangential, fabs(ball.velocity[0] / vt / (1.0 - 2.0 * mu * vn / vt) - 1.0));
-        spin = fmax(spin, fabs(r * ball.spin[1] / (5.0 * mu * vn) - 1.0));
+        tangential = scree_most(tangential, fabs(ball.velocity[0] / vt / (1.0 - 2.0 * mu * vn / vt) - 1.0));
+        spin = scree_most(spin, fabs(r * ball.spin[1] / (5.0 * mu * vn) - 1.0));
     }
     for (int k = 0; k < 21; k++) {
         scree_status status = strike(figures, oblique[k][0], &ball);
         if (status) return status;
-        sticks = fmax(sticks, fabs(ball.velocity[0] / (3.9 * sin(oblique[k][0] * pi / 180.0)) - oblique[k][1]));
+        sticks = scree_most(sticks, fabs(ball.velocity[0] / (3.9 * sin(oblique[k][0] * pi / 180.0)) - oblique[k][1]));
     }
     figures_report(figures, "dem05", "tangential restitution, 30 to 85 deg, worst of 12 (MFiX 5e-3)", 0.0, tangential,
                    5e-5);

@@ -64,8 +64,8 @@ static int compare(const char *one, const char *other, struct column columns[COL
         rows += first[0];
         if (column >= COLUMNS || (isnan(value[0]) && isnan(value[1]))) continue;
         double apart = fabs(value[0] - value[1]);
-        columns[column].apart = fmax(columns[column].apart, isnan(apart) ? HUGE_VAL : apart);
-        columns[column].largest = fmax(columns[column].largest, fabs(value[0]));
+        columns[column].apart = scree_most(columns[column].apart, isnan(apart) ? HUGE_VAL : apart);
+        columns[column].largest = scree_most(columns[column].largest, fabs(value[0]));
     }
 }
 
@@ -87,7 +87,7 @@ static scree_status difference(struct figures *figures, char *const folders[2], 
     if (!status) status = read_table(figures, folders[1], table, &text[1]);
     if (!status && compare(text[0], text[1], columns) < 0) *worst = HUGE_VAL;
     for (int k = 0; k < COLUMNS; k++)
-        if (columns[k].apart > 0.0) *worst = fmax(*worst, columns[k].apart / columns[k].largest);
+        if (columns[k].apart > 0.0) *worst = scree_most(*worst, columns[k].apart / columns[k].largest);
     free(text[0]);
     free(text[1]);
     return status;

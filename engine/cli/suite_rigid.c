@@ -63,12 +63,12 @@ scree_status suite_edge(struct figures *figures) {
         scree_body_state box;
         scree_status status = edge_impact(figures, e, &box);
         if (status) return status;
-        velocity = fmax(velocity, fabs(box.velocity[2] - e->velocity));
-        spin = fmax(spin, fabs(-box.spin[1] / e->spin - 1.0));
+        velocity = scree_most(velocity, fabs(box.velocity[2] - e->velocity));
+        spin = scree_most(spin, fabs(-box.spin[1] / e->spin - 1.0));
         if (e->stiffness < 1e8) continue;
         double phi = e->degrees * pi / 180.0, x = -0.1 * cos(phi) + 0.05 * sin(phi), inertia = 0.05 / 12.0;
         double impulse = 2.0 / (1.0 + x * x / inertia);
-        rigid = fmax(rigid, fabs(box.velocity[2] - (impulse - 1.0)));
+        rigid = scree_most(rigid, fabs(box.velocity[2] - (impulse - 1.0)));
     }
     /* The tolerance, 1e-12 a step of some hundred, and what the table has: eleven digits. */
     figures_report(figures, "edge", "velocity after, over that before, worst of 15", 0.0, velocity, 1e-9);
@@ -123,8 +123,8 @@ scree_status suite_corner(struct figures *figures) {
         scree_body_state box;
         scree_status status = state_after(figures, text, 1.1 * time, 1, &box);
         if (status) return status;
-        velocity = fmax(velocity, fabs(box.velocity[2] - c->velocity));
-        for (int i = 0; i < 3; i++) spin = fmax(spin, fabs(box.spin[i] - c->spin[i]) / 10.0);
+        velocity = scree_most(velocity, fabs(box.velocity[2] - c->velocity));
+        for (int i = 0; i < 3; i++) spin = scree_most(spin, fabs(box.spin[i] - c->spin[i]) / 10.0);
     }
     figures_report(figures, "corner", "velocity less that of a rigid box, worst of 3", 0.0, velocity, 1e-5);
     figures_report(figures, "corner", "spin less that, over 10 rad/s, worst of 9", 0.0, spin, 1e-5);
@@ -257,9 +257,9 @@ scree_status suite_rocking(struct figures *figures) {
         if (!status) status = pivot_passage(figures, &p, goal, r->period, &lands);
         if (status) break;
         double landed = spin_at_start(r, goal, lands.spin);
-        time = fmax(time, fabs(upright.time / (0.25 * r->period) - 1.0));
-        before = fmax(before, fabs(-upright.spin / r->before - 1.0));
-        after = fmax(after, fabs(landed / r->after - 1.0));
+        time = scree_most(time, fabs(upright.time / (0.25 * r->period) - 1.0));
+        before = scree_most(before, fabs(-upright.spin / r->before - 1.0));
+        after = scree_most(after, fabs(landed / r->after - 1.0));
         fprintf(out.file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", r->height, r->width, angle, upright.time,
                 -upright.spin, landed, r->after);
     }
@@ -300,8 +300,8 @@ scree_status suite_domino(struct figures *figures) {
             wrong += (falls.time > 0.0) != above;
         }
         if (status) return status;
-        time = fmax(time, fabs(hit.time / d->time - 1.0));
-        spin = fmax(spin, fabs(hit.spin / d->spin - 1.0));
+        time = scree_most(time, fabs(hit.time / d->time - 1.0));
+        spin = scree_most(spin, fabs(hit.spin / d->spin - 1.0));
     }
     /* One per cent above the least spin the domino is slow where it stands on its edge: what the weight does in
      * pressing the edge in, (m g)^2/k, 1e-5 of the 2.5e-4 J needed, counts fifty times of the 2 % left over, for a
@@ -389,7 +389,7 @@ scree_status suite_painleve(struct figures *figures) {
             if (status) return status;
             *(deeper < 0.0 ? &low : &high) = mu;
         }
-        worst = fmax(worst, fabs(low / expected - 1.0));
+        worst = scree_most(worst, fabs(low / expected - 1.0));
     }
     /* The rod turns by overlap over length meanwhile, 1e-7; the second order of a step of a thousandth does as much. */
     figures_report(figures, "painleve", "friction at which it jams, six angles, worst", 0.0, worst, 1e-6);
@@ -474,7 +474,7 @@ static scree_status belt_cycle(struct figures *figures, const struct belt *b, st
         x[1] = mass.position[0], v[1] = mass.velocity[0];
         if (turns == 2 && v[0] < before && v[0] <= v[1]) { /* the least of a parabola */
             double bend = before - 2.0 * v[0] + v[1], rise = 0.5 * (v[1] - before);
-            cycle->slowest = fmin(cycle->slowest, v[0] - 0.5 * rise * rise / bend);
+            cycle->slowest = scree_least(cycle->slowest, v[0] - 0.5 * rise * rise / bend);
         }
         if ((v[0] < 0.0) == (v[1] < 0.0) || scree_scene_time(scene) < 2.0 * h) continue;
         double place = turn_between(h, x, v, &share), now = scree_scene_time(scene) - h * (1.0 - share);
@@ -499,9 +499,9 @@ scree_status suite_stick_slip(struct figures *figures) {
         scree_status status = belt_cycle(figures, b, &c);
         if (status) return status;
         double size = b->holds * b->load / b->stiffness;
-        period = fmax(period, fabs(c.period / b->period - 1.0));
-        place = fmax(place, fmax(fabs(c.highest - b->highest), fabs(c.lowest - b->lowest)) / size);
-        speed = fmax(speed, fabs(c.slowest / b->slowest - 1.0));
+        period = scree_most(period, fabs(c.period / b->period - 1.0));
+        place = scree_most(place, scree_most(fabs(c.highest - b->highest), fabs(c.lowest - b->lowest)) / size);
+        speed = scree_most(speed, fabs(c.slowest / b->slowest - 1.0));
     }
     /* Friction's spring gives 1e-7 of the other, and needs sqrt(1e-7)/w to settle, at the belt's speed. */
     figures_report(figures, "stick-slip", "period, worst of 4", 0.0, period, 1e-6);
