@@ -303,9 +303,10 @@ static void run(const struct request *request) {
     double median = bench_median(times, request->repeats), contacts = (double)touching / bodies;
     uint64_t hash = scree_scene_hash(scene);
     struct stages stages = time_stages(scene, bodies, request->threads, request->steps);
-    printf("%s,%s,%d,%d,%.2f,%.2f,%.2f,%.3f,%.3f,%.2f,%ld,%.1f,%ld,%.0f,%.0f,", scene->contacts.loop->name,
-           request->laws, bodies, request->threads, median, times[0], stages.contacts, contacts,
-           (double)listed / bodies, median / contacts, renewals, stages.near, lists, stages.outer, bytes);
+    printf("%s,%s,%d,%d,%.2f,%.2f,%.2f,%.3f,%.3f,", scene->contacts.loop->name, request->laws, bodies, request->threads,
+           median, times[0], stages.contacts, contacts, (double)listed / bodies);
+    if (touching) printf("%.2f", median / contacts);
+    printf(",%ld,%.1f,%ld,%.0f,%.0f,", renewals, stages.near, lists, stages.outer, bytes);
     print_roofline(scene, request, &stages, (double)listed / bodies);
     printf("%016llx\n", (unsigned long long)hash);
     scree_scene_destroy(scene);

@@ -57,7 +57,7 @@ static double rebound(const char *choice, double step, long *steps) {
 
 static void measure(int law, int phases) {
     static const double per_contact[ROWS] = {10, 20, 50, 100, 200, 500, 1000, 2000, 5000};
-    double before = NAN;
+    double before = 0.0;
     for (int row = 0; row < ROWS; row++) {
         double worst = 0.0, start = bench_now();
         long steps = 0;
@@ -66,9 +66,9 @@ static void measure(int law, int phases) {
             worst = scree_most(worst, fabs(rebound(laws[law].choice, step, &steps) - laws[law].restitution));
         }
         double ns = (bench_now() - start) / (double)steps * 1e9;
-        double order = row ? log(before / worst) / log(per_contact[row] / per_contact[row - 1]) : NAN;
-        printf("%s,%g,%.4g,%.3g,%.2f,%.0f\n", laws[law].name, per_contact[row], contact_time / per_contact[row], worst,
-               order, ns);
+        printf("%s,%g,%.4g,%.3g,", laws[law].name, per_contact[row], contact_time / per_contact[row], worst);
+        if (row) printf("%.2f", log(before / worst) / log(per_contact[row] / per_contact[row - 1]));
+        printf(",%.0f\n", ns);
         before = worst;
     }
 }
