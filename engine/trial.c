@@ -1,6 +1,7 @@
 /* Trial impacts (trial.h): the reference, and the search along a ladder of steps. */
 #include "engine/trial.h"
 
+#include "bodies/elementary.h"
 #include "contact/impact.h"
 #include "engine/scene.h"
 
@@ -161,9 +162,10 @@ static scree_status find_error(const struct scree_trial *trial, scree_integrator
             scree_status status = strike(trial, &throw, &end, trouble);
             if (status) return status;
             double error = fabs(end.normal - trial->normal[angle]);
-            if (trial->angles > 1) error = fmax(error, fabs(end.tangential - trial->tangential[angle]) + trial->doubt);
+            if (trial->angles > 1)
+                error = scree_most(error, fabs(end.tangential - trial->tangential[angle]) + trial->doubt);
             error *= margin / trial->speed;
-            if (!isfinite(end.normal) || !(error < HUGE_VAL)) error = HUGE_VAL;
+            if (!(error < HUGE_VAL)) error = HUGE_VAL; /* or no number */
             *worst = fmax(*worst, error);
             if (*worst > enough) return SCREE_OK;
         }
