@@ -194,19 +194,27 @@ static scree_status write_plans(struct planning *p) {
     return figures_end(&p->output, &p->tables);
 }
 
+/* `modelled`: products are simulated, too. */
+static void print_heads(int modelled, const char *speed, const char *v1, const char *v2, const char *v3,
+                        const char *clearance, const char *approach, const char *catch, const char *error) {
+    printf("%10s %10s %10s %10s %12s", speed, v1, v2, v3, clearance);
+    if (modelled) printf(" %12s %12s %12s", approach, catch, error);
+    printf("\n");
+}
+
 static void print_plans(const struct planning *p) {
-    printf("%10s %10s %10s %10s %12s %12s %12s  %s\n", "speed", "v1", "v2", "v3", "clearance", "approach", "catch",
-           "final error");
+    print_heads(p->file.modelled, "speed", "v1", "v2", "v3", "clearance", "approach", "catch", "final error");
+    print_heads(p->file.modelled, "(1/min)", "(m/s)", "(m/s)", "(m/s)", "(m)", "(m/s)", "(N)", "(mm)");
     for (int k = 0; k < p->file.speeds; k++) {
         const struct speed *s = &p->speeds[k];
         if (s->plan.state) {
             printf("%10g no plan: %s\n", p->file.speed[k], s->plan.text);
             continue;
         }
-        printf("%10g %10.5f %10.5f %10.5f %10.3g m", p->file.speed[k], s->plan.event[1].v, s->plan.event[2].v,
+        printf("%10g %10.5f %10.5f %10.5f %12.3g", p->file.speed[k], s->plan.event[1].v, s->plan.event[2].v,
                s->plan.event[3].v, s->clearance);
         if (s->ran)
-            printf(" %8.3g m/s %10.3g N  %+.3g mm", s->run.approach, s->run.catch_force, 1e3 * s->run.error);
+            printf(" %12.3g %12.3g %+12.3g", s->run.approach, s->run.catch_force, 1e3 * s->run.error);
         else if (p->file.modelled)
             printf("  the simulation stopped: %s", s->run.trouble.text);
         printf("\n");
