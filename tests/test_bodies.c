@@ -43,6 +43,14 @@ static void test_elementary(void) {
     CHECK(scree_tanh(-0.3) == -scree_tanh(0.3) && scree_tanh(1e-9) == 1e-9);
 }
 
+/* Whatever comes after it, what was no number stays none. */
+static void test_extremes(void) {
+    CHECK(scree_most(-1.0, 2.0) == 2.0 && scree_most(2.0, -1.0) == 2.0);
+    CHECK(scree_least(-1.0, 2.0) == -1.0 && scree_least(2.0, -1.0) == -1.0);
+    CHECK(isnan(scree_most(1.0, NAN)) && isnan(scree_most(NAN, 1.0)) && isnan(scree_most(NAN, HUGE_VAL)));
+    CHECK(isnan(scree_least(1.0, NAN)) && isnan(scree_least(NAN, 1.0)) && isnan(scree_least(NAN, -HUGE_VAL)));
+}
+
 /* ---- shapes ---- */
 
 /* Volume and moments by counting points, one at random in each cell of a grid: this knows nothing of the parts that the
@@ -441,6 +449,7 @@ static void test_names(void) {
 
 int main(void) {
     test_elementary();
+    test_extremes();
     test_shapes();
     test_formula_motions();
     test_table_motions();
