@@ -1,4 +1,5 @@
 /* How large the error of a step of the adaptive integrator is, in parts of what is tolerable. */
+#include "bodies/elementary.h"
 #include "engine/adaptive.h"
 
 #include <math.h>
@@ -54,7 +55,7 @@ static double length3(const double *v) { return vec_norm(vec_from(v)); }
  * others. */
 static double larger(double worst, const struct scree_adaptive *a, int at, double scale) {
     double error = scree_dop853_error(length3(a->work.error5 + at) / scale, length3(a->work.error3 + at) / scale);
-    return error > worst || isnan(error) ? error : worst;
+    return scree_most(worst, error);
 }
 
 /* The largest of a body's errors in parts of what is tolerable. */

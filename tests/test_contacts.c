@@ -273,7 +273,7 @@ static void check_candidates(double ratio, double spread, double height, int cou
     for (int k = 1; k <= count; k++) {
         double more = k % 16 == 0 ? check_between(&seed, 0.0, fmin(spread, 30.0 * contacts->skin)) : 0.0;
         bodies->path[k] = -more;
-        contacts->widest_margin = scree_most(contacts->widest_margin, 0.5 * contacts->skin + more);
+        contacts->widest_margin = fmax(contacts->widest_margin, 0.5 * contacts->skin + more);
     }
     CHECK(scree_candidates(contacts, bodies, 1, NULL) == SCREE_OK);
     int found = 0, wrong = 0;

@@ -644,7 +644,7 @@ static void test_reach(void) {
     static const int every[] = {1, 7, 100000};
     for (int k = 0; k < 3; k++) {
         scree_scene *scene = hanging("jkr", -0.00399, -1.0, 0.0);
-        scene->contacts.skin = scree_least(scene->contacts.skin, 1.2 * reach);
+        scene->contacts.skin = fmin(scene->contacts.skin, 1.2 * reach);
         double farthest = 0.0, gap = 0.0;
         for (int step = 0; step < 2000 && gap < 2.0 * reach; step++) {
             go(scene, 1);

@@ -150,9 +150,9 @@ scree_status suite_haff(struct figures *figures) {
     }
     scree_status status = write_gas(figures, gas, tau);
     /* Each run is off by 1.0 % by chance, so their mean by 0.5 %, of which three times as much is allowed. The theory
-     * knows nothing of velocities that become alike near by: hard spheres in these boxes, from event to event, cool
-     * slower by 0.5 % (56 runs, give or take 0.1 %). The contacts' own time takes another 0.6 % (32 runs; four times
-     * that time takes 1.7 %). */
+     * knows nothing of velocities that become alike near by: hard spheres in these boxes cool slower by 0.4 %, give or
+     * take 0.2 % (bench/peers/haff_events.c, data/reference/haff_events.csv). The contacts' own time takes another
+     * 0.7 % (32 runs; four times that time takes 1.8 %). */
     figures_report(figures, "haff", "cooling time", tau, 1.0 / mean, 0.026);
     return status ? status : figures_plot(figures, "haff", script);
 }
