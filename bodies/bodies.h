@@ -73,9 +73,9 @@ struct scree_past {
 /* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads: two lines, too. All zero
  * of fixed bodies. */
 struct scree_push {
-    double along[4];     /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
-    double more[4];      /* what extrapolation from the last two steps adds to it, m/s^2 */
-    double turn[4];      /* the same of rotation, rad/s^2; 1/moment of inertia of a ball, 1/(kg m^2) */
+    double along[4]; /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
+    double more[4];  /* what extrapolation from the last two steps adds to it, m/s^2; 1 of what isn't a ball, else 0 */
+    double turn[4];  /* the same of rotation, rad/s^2; 1/moment of inertia of a ball, 1/(kg m^2) */
     double turn_more[4]; /* rad/s^2 */
 };
 

@@ -112,6 +112,7 @@ static void prepare_push(const struct scree_bodies *bodies, int index, double st
         bodies->moment[index][k] = 0.0;
     }
     push->along[3] = past->range;
+    push->more[3] = 1.0;
     push->turn[3] = moment;
 }
 

@@ -23,6 +23,26 @@ static inline void scree_settle_past(struct scree_past *past, const struct scree
 }
 
 #ifdef __AVX__
+/* Impulses of the last step, and of the one before it; fourth numbers are as they come. */
+struct scree_ball_past {
+    scree_row f, t, f_before, t_before;
+};
+
+static inline struct scree_ball_past scree_ball_past_of(const struct scree_past *past) {
+    return (struct scree_ball_past){*(const scree_row *)past->f[0], *(const scree_row *)past->t[0],
+                                    *(const scree_row *)past->f[1], *(const scree_row *)past->t[1]};
+}
+
+/* Each row's fourth number is the next one's first: the last is that of what is known already. */
+static inline void scree_keep_ball_past(struct scree_ball_past p, struct scree_past *past) {
+    scree_row known = *(const scree_row *)past->known;
+    *(scree_row *)past->f[0] = p.f;
+    *(scree_row *)past->f[1] = p.f_before;
+    *(scree_row *)past->t[0] = p.t;
+    *(scree_row *)past->t[1] = p.t_before;
+    *(scree_row *)past->known = known;
+}
+
 static inline scree_row scree_row_with(scree_row a, double fourth) {
     return __builtin_shufflevector(a, (scree_row){fourth, fourth, fourth, fourth}, 0, 1, 2, 7);
 }
@@ -31,37 +51,42 @@ static inline double scree_row_square(scree_row a) { return a[0] * a[0] + a[1] *
 
 /* The start of the step into `now`, accelerations if all goes on as in the last two steps; then the middle of the step
  * as in balls.h. Nonzero if the path has outgrown the margin. */
-static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
-                                       double fall, double margin, struct scree_bodies *now) {
+static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, struct scree_ball_rows rows,
+                                     struct scree_ball_past p, double step, scree_row gravity, double fall,
+                                     double margin, struct scree_bodies *now) {
     struct scree_record *record = &bodies->record[index], *start = &now->record[index];
     struct scree_past *past = &bodies->past[index];
     struct scree_push *push = &bodies->push[index];
-    struct scree_ball_rows rows = scree_ball_rows(&bodies->state[index], bodies->position[index]);
     const scree_row none = {0.0, 0.0, 0.0, 0.0}, steps = {step, step, step, step};
     scree_row rate = (scree_row){record->inverse_mass, record->inverse_moment, 0.0, 0.0} / steps;
-    scree_row f = *(const scree_row *)past->f[0], f_before = *(const scree_row *)past->f[1];
-    scree_row t = *(const scree_row *)past->t[0], t_before = *(const scree_row *)past->t[1];
     *(scree_row *)start->x = scree_row_with(rows.x, record->radius);
     *(scree_row *)start->v = scree_row_with(rows.v, record->inverse_mass);
     *(scree_row *)now->spin[index].w =
         scree_row_with(scree_row_times(record->inverse_moment, rows.l), bodies->spin[index].limit);
-    *(scree_row *)push->more = scree_row_with(scree_row_times(rate[0], f - f_before), 0.0);
-    *(scree_row *)push->turn = scree_row_with(scree_row_times(rate[1], t), record->inverse_moment);
-    *(scree_row *)push->turn_more = scree_row_with(scree_row_times(rate[1], t - t_before), 0.0);
+    *(scree_row *)push->more = scree_row_with(scree_row_times(rate[0], p.f - p.f_before), 0.0);
+    *(scree_row *)push->turn = scree_row_with(scree_row_times(rate[1], p.t), record->inverse_moment);
+    *(scree_row *)push->turn_more = scree_row_with(scree_row_times(rate[1], p.t - p.t_before), 0.0);
     *(scree_row *)bodies->moment[index] = none;
-    scree_row square = {scree_row_square(rows.v), scree_row_square(f), scree_row_square(f_before), 0.0};
+    scree_row square = {scree_row_square(rows.v), scree_row_square(p.f), scree_row_square(p.f_before), 0.0};
     square[3] =
         scree_ball_look_ahead(record, &bodies->spin[index], rows, step, gravity, scree_flight_row(bodies, index));
     scree_row size = scree_row_root(square);
-    past->range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], fall, step);
-    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], f), past->range);
-    memcpy(past->known, &gravity, sizeof past->known);
+    double range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], fall, step);
+    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.f), range);
+    *(scree_row *)past->known = scree_row_with(gravity, range);
     return scree_outgrown(&bodies->path[index], step * size[3], margin);
 }
 
-/* By impulses and moments to the end of the step. */
-static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, int index, double step,
-                                                 scree_row gravity) {
+static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
+                                       double fall, double margin, struct scree_bodies *now) {
+    struct scree_ball_rows rows = scree_ball_rows(&bodies->state[index], bodies->position[index]);
+    struct scree_ball_past past = scree_ball_past_of(&bodies->past[index]);
+    return scree_ball_look_on(bodies, index, rows, past, step, gravity, fall, margin, now);
+}
+
+/* By impulses and moments to the end of the step. Returns the new state, and what is past now. */
+static inline struct scree_ball_rows scree_ball_go_on(struct scree_bodies *bodies, int index, double step,
+                                                      scree_row gravity, struct scree_ball_past *past) {
     const struct scree_record *record = &bodies->record[index];
     double *state = bodies->state[index].v;
     scree_row f = *(const scree_row *)record->f, t = *(const scree_row *)record->t, v = *(const scree_row *)state;
@@ -72,8 +97,27 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
     v = scree_row_settle(v + (scree_row_times(record->inverse_mass, f) + scree_row_times(step, gravity)));
     *(scree_row *)state = v; /* in this order: its fourth number isn't that of the momentum */
     *(scree_row *)&state[2] = __builtin_shufflevector(v, l, 2, 4, 5, 6);
-    for (int k = 0; k < 3; k++) bodies->position[index][k] = x[k];
-    scree_settle_past(&bodies->past[index], record);
+    struct scree_ball_past before = scree_ball_past_of(&bodies->past[index]);
+    *past = (struct scree_ball_past){f, t, before.f, before.t};
+    scree_keep_ball_past(*past, &bodies->past[index]);
+    struct scree_ball_rows rows = {x, v, l};
+    scree_ball_stay(rows, bodies->position[index]);
+    return rows;
+}
+
+static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, int index, double step,
+                                                 scree_row gravity) {
+    struct scree_ball_past past;
+    scree_ball_go_on(bodies, index, step, gravity, &past);
+}
+
+/* Both, from one step into the next: a processor waits for rows that have just been written in pieces, so none is read
+ * again. */
+static inline int scree_ball_move_by_moments(struct scree_bodies *bodies, int index, double step, scree_row gravity,
+                                             scree_row next, double fall, double margin, struct scree_bodies *now) {
+    struct scree_ball_past past;
+    struct scree_ball_rows rows = scree_ball_go_on(bodies, index, step, gravity, &past);
+    return scree_ball_look_on(bodies, index, rows, past, step, next, fall, margin, now);
 }
 
 #else
@@ -102,6 +146,7 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
     start->inverse_mass = record->inverse_mass;
     now->spin[index].limit = bodies->spin[index].limit;
     push->turn[3] = record->inverse_moment;
+    push->more[3] = 0.0;
     past->range = push->along[3] = scree_ball_range(scree_size_of(state->v), record->inverse_mass,
                                                     scree_size_of(past->f[0]), scree_size_of(past->f[1]), fall, step);
     double square = scree_ball_look_ahead(record, &bodies->spin[index], scree_ball_rows(state, bodies->position[index]),
@@ -124,6 +169,12 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
             record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
     }
     scree_settle_past(&bodies->past[index], record);
+}
+
+static inline int scree_ball_move_by_moments(struct scree_bodies *bodies, int index, double step, scree_row gravity,
+                                             scree_row next, double fall, double margin, struct scree_bodies *now) {
+    scree_ball_advance_by_moments(bodies, index, step, gravity);
+    return scree_ball_look_both(bodies, index, step, next, fall, margin, now);
 }
 #endif
 

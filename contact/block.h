@@ -217,6 +217,78 @@ static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, str
     store_wide(r, 3, b->ball_spin, lane);
 }
 
+#elif defined __AVX__
+static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+    const scree_row sign = {1.0, 1.0, 1.0, -1.0}, one = {1.0, 1.0, 1.0, 1.0};
+    scree_row shift[4], rush[4];
+    for (int i = 0; i < 4; i++) {
+        const struct scree_record *ball = ends->ball[lane + i];
+        const struct scree_record *host = ends->host[lane + i];
+        shift[i] = *(const scree_row *)ball->x - *(const scree_row *)host->x * sign;
+        rush[i] = *(const scree_row *)ball->v - *(const scree_row *)host->v * sign;
+    }
+    store_columns(shift, even ? 3 : 4, b->shift, lane);
+    store_columns(rush, even ? 3 : 4, b->rush, lane);
+    if (!balls) return;
+    scree_row apart = scree_row_root(shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
+    *(scree_row *)&b->apart[lane] = apart;
+    *(scree_row *)&b->inverse[lane] = one / (apart + SCREE_NO_WAY);
+}
+
+static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
+    scree_row ball_spin[4], host_spin[4];
+    for (int i = 0; i < 4; i++) {
+        ball_spin[i] = *(const scree_row *)ends->ball_spin[lane + i]->w;
+        host_spin[i] = *(const scree_row *)ends->host_spin[lane + i]->w;
+        b->radius[lane + i] = ends->ball[lane + i]->radius;
+    }
+    store_columns(ball_spin, 4, b->ball_spin, lane);
+    store_columns(host_spin, 4, b->host_spin, lane);
+}
+
+static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, struct block *b) {
+    scree_row spin[4];
+    for (int i = 0; i < 4; i++)
+        spin[i] = *(const scree_row *)ends->ball_spin[lane + i]->w + *(const scree_row *)ends->host_spin[lane + i]->w;
+    store_columns(spin, 3, b->ball_spin, lane);
+}
+
+#else
+/* Processors without such rows: number by number, which compilers do better than rows in halves. */
+static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+    for (int i = lane; i < lane + WIDTH; i++) {
+        const struct scree_record *ball = ends->ball[i];
+        const struct scree_record *host = ends->host[i];
+        for (int k = 0; k < 3; k++) {
+            b->shift[k][i] = ball->x[k] - host->x[k];
+            b->rush[k][i] = ball->v[k] - host->v[k];
+        }
+        if (even) continue;
+        b->shift[3][i] = ball->radius + host->radius;
+        b->rush[3][i] = ball->inverse_mass + host->inverse_mass;
+    }
+    if (balls) measure_apart(b, lane, WIDTH);
+}
+
+static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
+    for (int i = lane; i < lane + WIDTH; i++) {
+        const struct scree_spin *ball = ends->ball_spin[i], *host = ends->host_spin[i];
+        for (int k = 0; k < 3; k++) {
+            b->ball_spin[k][i] = ball->w[k];
+            b->host_spin[k][i] = host->w[k];
+        }
+        b->ball_spin[3][i] = ball->limit;
+        b->host_spin[3][i] = host->limit;
+        b->radius[i] = ends->ball[i]->radius;
+    }
+}
+
+static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, struct block *b) {
+    for (int i = lane; i < lane + WIDTH; i++)
+        for (int k = 0; k < 3; k++) b->ball_spin[k][i] = ends->ball_spin[i]->w[k] + ends->host_spin[i]->w[k];
+}
+#endif
+
 static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
     fetch_way(ends, lane, balls, even, b);
     if (even)
@@ -224,55 +296,6 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls
     else
         fetch_spins(ends, lane, b);
 }
-
-#elif defined __AVX__
-static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
-    const scree_row sign = {1.0, 1.0, 1.0, -1.0}, one = {1.0, 1.0, 1.0, 1.0};
-    scree_row shift[4], rush[4], ball_spin[4], host_spin[4];
-    for (int i = 0; i < 4; i++) {
-        const struct scree_record *ball = ends->ball[lane + i];
-        const struct scree_record *host = ends->host[lane + i];
-        shift[i] = *(const scree_row *)ball->x - *(const scree_row *)host->x * sign;
-        rush[i] = *(const scree_row *)ball->v - *(const scree_row *)host->v * sign;
-        ball_spin[i] = *(const scree_row *)ends->ball_spin[lane + i]->w;
-        host_spin[i] = *(const scree_row *)ends->host_spin[lane + i]->w;
-        if (even) ball_spin[i] += host_spin[i];
-        if (!even) b->radius[lane + i] = ball->radius;
-    }
-    store_columns(shift, even ? 3 : 4, b->shift, lane);
-    store_columns(rush, even ? 3 : 4, b->rush, lane);
-    store_columns(ball_spin, even ? 3 : 4, b->ball_spin, lane);
-    if (!even) store_columns(host_spin, 4, b->host_spin, lane);
-    if (!balls) return;
-    scree_row apart = scree_row_root(shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
-    *(scree_row *)&b->apart[lane] = apart;
-    *(scree_row *)&b->inverse[lane] = one / (apart + SCREE_NO_WAY);
-}
-
-#else
-/* Processors without such rows: number by number, which compilers do better than rows in halves. */
-static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
-    for (int i = lane; i < lane + WIDTH; i++) {
-        const struct scree_record *ball = ends->ball[i];
-        const struct scree_record *host = ends->host[i];
-        const struct scree_spin *ball_spin = ends->ball_spin[i];
-        const struct scree_spin *host_spin = ends->host_spin[i];
-        for (int k = 0; k < 3; k++) {
-            b->shift[k][i] = ball->x[k] - host->x[k];
-            b->rush[k][i] = ball->v[k] - host->v[k];
-            b->ball_spin[k][i] = even ? ball_spin->w[k] + host_spin->w[k] : ball_spin->w[k];
-            if (!even) b->host_spin[k][i] = host_spin->w[k];
-        }
-        if (even) continue;
-        b->shift[3][i] = ball->radius + host->radius;
-        b->rush[3][i] = ball->inverse_mass + host->inverse_mass;
-        b->ball_spin[3][i] = ball_spin->limit;
-        b->host_spin[3][i] = host_spin->limit;
-        b->radius[i] = ball->radius;
-    }
-    if (balls) measure_apart(b, lane, WIDTH);
-}
-#endif
 
 /* Padding repeats the last contact. */
 static inline void find_ends(const struct scree_bodies *bodies, const struct scree_ends *contact, int count,

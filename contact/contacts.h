@@ -478,9 +478,9 @@ void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct s
                                        double time, double step, const double gravity[3], int threads);
 
 /* Contacts first … first + count - 1, a block or less, through such a step: what they yield (impulse.c). */
-void scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
-                       double step, struct scree_yield *yield, struct scree_moments *moments);
+uint32_t scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                           const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
+                           double step, struct scree_yield *yield, struct scree_moments *moments);
 
 /* All near contacts through one step by pair impulses (impel.c): `bodies` half a step ahead, `now` at its start
  * (scree_contacts_look_both). Impulses and moments are added to the bodies. `go` and what is returned: as with

@@ -9,11 +9,12 @@ static void impel_block(const struct scree_contacts *contacts, const struct scre
                       scree_contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block]);
 }
 
-/* Moments of angular impulses into the bodies; balls have no attitude, and need none. `hosts` 0: partners are
- * frozen. */
-static void add_turn_moments(struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
-                             int hosts, const struct scree_moments *moments) {
-    for (int lane = 0; batch->any_turns && lane < count; lane++) {
+/* Moments of angular impulses into the bodies; balls have no attitude, and need none. `lanes`: bits of those that may
+ * be of others. `hosts` 0: partners are frozen. */
+static void add_turn_moments(struct scree_bodies *bodies, const struct scree_batch *batch, int first, uint32_t lanes,
+                             int count, int hosts, const struct scree_moments *moments) {
+    for (int lane = 0; batch->any_turns && lanes >> lane && lane < count; lane++) {
+        if (!(lanes >> lane & 1)) continue;
         struct scree_contact own = scree_contact_at(batch, first + lane), *contact = &own;
         int turns = scree_contact_turns(batch, contact);
         int ball_turns = turns && bodies->class[contact->ball] == SCREE_CLASS_GENERAL;
@@ -48,17 +49,6 @@ static void tally_lane(const struct scree_ends *contact, const struct scree_yiel
     }
 }
 
-/* Few blocks have what is deeper or steeper than any before. */
-static void tally_up(const struct scree_ends *contact, const struct scree_yield *yield, int count,
-                     struct scree_tally *tally) {
-    double deepest = tally->deepest, steepest = tally->steepest;
-    int more = 0;
-    _Pragma("omp simd reduction(| : more)")
-    for (int lane = 0; lane < count; lane++)
-        more |= !(yield->depth[lane] <= deepest) | !(yield->steep[lane] <= steepest);
-    for (int lane = 0; more && lane < count; lane++) tally_lane(&contact[lane], yield, lane, tally);
-}
-
 /* One step's arguments, for slabs. */
 struct stride {
     const struct scree_bodies *now;
@@ -67,7 +57,7 @@ struct stride {
 /* Bodies lie in the order in which contacts come to them: they are asked for so many places ahead, partners that lie
  * farther by themselves, and what is kept of contacts some blocks ahead (as in loop.c). Fewer than MANY stay in the
  * caches. */
-enum { AHEAD = 96, BLOCKS_AHEAD = 3, MANY = 16384 };
+enum { AHEAD = 96, BLOCKS_AHEAD = 3, MANY = 4096 };
 
 static SCREE_INLINE void call_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
     SCREE_CALL(bodies->record, k, k + 1);
@@ -116,11 +106,12 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
     for (int left = all, count; left > 0; left -= count, first += count) {
         count = left < SCREE_LANES ? left : SCREE_LANES;
         call_ahead(bodies, stride->now, batch, first + count, left - count + trail->behind, &trail->called);
-        scree_impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
+        const struct scree_ends *own = &batch->ends[first];
+        uint32_t odd = scree_impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
         clear_turns(batch, first, count, &yield);
-        contacts->loop->add_up(bodies, &batch->ends[first], count, batch->any_turns, hosts, &yield, &moments);
-        add_turn_moments(bodies, batch, first, count, hosts, &moments);
-        tally_up(&batch->ends[first], &yield, count, tally);
+        int more = contacts->loop->add_up(bodies, own, count, batch->any_turns, hosts, &yield, &moments, tally);
+        add_turn_moments(bodies, batch, first, odd, count, hosts, &moments);
+        for (int lane = 0; more && lane < count; lane++) tally_lane(&own[lane], &yield, lane, tally);
         if (contacts->measured) scree_tally_losses(tally, &yield.lost, count);
     }
 }
@@ -143,7 +134,7 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
                 bodies->moment[batch->ends[first + lane].ball][k] += moments->impulse[k][lane];
                 bodies->moment[batch->ends[first + lane].host][k] -= moments->impulse[k][lane];
             }
-        add_turn_moments(bodies, batch, first, count, 1, moments);
+        add_turn_moments(bodies, batch, first, ~(uint32_t)0, count, 1, moments);
     }
 }
 

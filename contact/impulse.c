@@ -542,9 +542,9 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     place.yield->steep[place.lane] = steep;
 }
 
-void scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                       const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
-                       double step, struct scree_yield *yield, struct scree_moments *moments) {
+uint32_t scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                           const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
+                           double step, struct scree_yield *yield, struct scree_moments *moments) {
     const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
     struct pair_of_boxes pair[2] = {{.ball = -1}, {.ball = -1}};
     yield->silent = 0;
@@ -557,6 +557,7 @@ void scree_impel_lanes(const struct scree_contacts *contacts, const struct scree
         else if (rolls)
             roll_on(contacts, bodies, place, step);
     }
+    return left;
 }
 
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps) {

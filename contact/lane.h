@@ -398,19 +398,23 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
 
 /* The rate at which the contact damps at its start, and the steps that Runge and Kutta's method needs for its
  * stiffness: a quarter of 1/w at most, with which a contact errs by 1e-5 of its speed. `asked` > 0: so many times as
- * many. Odd are contacts that overlap still after their end. */
-static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, double step,
-                                   int asked, int k, struct course *c, struct motion *m) {
+ * many. Odd are contacts that overlap still after their end. `deepens` 0: as if it got no deeper than it is; returns 1
+ * where it may. */
+static SCREE_INLINE double rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, double step,
+                                     int asked, int deepens, int k, struct course *c, struct motion *m) {
     struct smooth_lane lane = lane_of(rule, m, k);
-    double d = c->d[k] > 0.0 ? c->d[k] : 0.0, u = c->u[k], way = d + step * fabs(u);
-    struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, scree_pressed(d, u, 0.0, 0.0));
+    double d = (c->d[k] > 0.0 ? c->d[k] : 0.0) + SCREE_NO_SPEED, u = c->u[k], way = d + step * fabs(u), deep = d;
+    struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, scree_pressed(d, u, 0.0, 0.0)), g = f;
     double force = f.elastic + f.damping * u, rate = f.damping * m->give[k];
-    /* It gets as deep as the step takes it, or as far as its speed can press a spring between linear and Hertz's. */
-    double most = laws.press(lane.normal, lane.normal_pair, scree_pressed(way, u, 0.0, 0.0)).elastic;
-    double can = 1.25 * u * u, needs = m->give[k] * most * way + SCREE_NO_SPEED;
-    double pressed = u > 0.0 ? (needs > can ? way * sqrt(can / needs) : way) : 0.0;
-    double deep = (d > pressed ? d : pressed) + SCREE_NO_SPEED;
-    struct scree_normal_force g = laws.press(lane.normal, lane.normal_pair, scree_pressed(deep, u, 0.0, 0.0));
+    /* It gets as deep as the step takes it, or as far as its speed can press a spring between linear and Hertz's: no
+     * deeper than it is if that is more than it can press along all of its way with the force that it has now. */
+    double can = 1.25 * u * u, more = ((u > 0.0) & (way * can > d * d * (m->give[k] * f.elastic))) ? 1.0 : 0.0;
+    if (deepens) {
+        double most = laws.press(lane.normal, lane.normal_pair, scree_pressed(way, u, 0.0, 0.0)).elastic;
+        double needs = m->give[k] * most * way + SCREE_NO_SPEED, pressed = needs > can ? way * sqrt(can / needs) : way;
+        deep = ((more > 0.0) & (pressed > d)) ? pressed : d;
+        g = laws.press(lane.normal, lane.normal_pair, scree_pressed(deep, u, 0.0, 0.0));
+    }
     double damped = g.damping * m->give[k], stiff = m->give[k] * 1.5 * fabs(g.elastic) / deep;
     if (laws.hold) {
         double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(lane.friction, lane.friction_pair, d);
@@ -424,17 +428,19 @@ static SCREE_INLINE void rate_lane(struct smooth_laws laws, const struct scree_r
     m->rate[k] = rate;
     stiff = damped * damped > stiff ? damped * damped : stiff;
     double steps = 4.0 * step * sqrt(stiff);
+    double times = asked > 0 ? (double)asked : 1.0;
     steps = steps < 63.0 ? steps : 63.0; /* NaN too */
-    m->grid[k] = step / ((1 + (int)steps) * (asked > 0 ? asked : 1));
+    m->grid[k] = step / ((double)(1 + (int)steps) * times);
     c->odd[k] = 0.0;
     m->pushes[0][k] = m->pushes[1][k] = 0.0;
-    if (!laws.cut) return;
+    if (!laws.cut) return more;
     double later = d + step * u, deeper = later > 0.0 ? later : 0.0;
     struct scree_normal_force then = laws.press(lane.normal, lane.normal_pair, scree_pressed(deeper, u, 0.0, 0.0));
     double softness = 1.5 * then.elastic / (deeper + SCREE_NO_SPEED);
     m->pushes[0][k] = then.elastic + then.damping * u;
     m->pushes[1][k] = step * (then.damping + step * softness);
     c->odd[k] = c->d[k] > 0.0 && !(force > 0.0) ? 1.0 : 0.0;
+    return more;
 }
 
 #endif

@@ -30,9 +30,10 @@ struct scree_loop {
     uint32_t (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                           const struct scree_batch *batch, int first, const int *lane, int count, double step,
                           struct scree_yield *yield, struct scree_moments *moments);
-    /* Impulses of a block of them and their first moments into the bodies. */
-    void (*add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
-                   struct scree_yield *yield, struct scree_moments *moments);
+    /* Impulses of a block of them and their first moments into the bodies. Returns whether one is deeper or steeper
+     * than the tally knows. */
+    int (*add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
+                  struct scree_yield *yield, struct scree_moments *moments, const struct scree_tally *tally);
     /* Balls among bodies from … to - 1, before and behind the contacts of such a step (pushed.c). The first: nonzero if
      * a path has outgrown the margin. */
     int (*look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3], double margin,
@@ -65,8 +66,8 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
 uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                                const struct scree_batch *batch, int first, const int *lane, int count, double step,
                                struct scree_yield *yield, struct scree_moments *moments);
-void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
-                        struct scree_yield *yield, struct scree_moments *moments);
+int SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
+                       struct scree_yield *yield, struct scree_moments *moments, const struct scree_tally *tally);
 int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
                           double margin, struct scree_bodies *now);
 void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,

@@ -8,16 +8,28 @@
 /* ---- gather ---- */
 
 /* Where contacts are, and what bodies do by themselves (scree_push; differences of ball and host where that is
- * enough). */
+ * enough). Balls of one size have one arm, and only sums of their spins and of what turns them count: there is no
+ * column of the host. */
 struct meeting {
     double later_n[3][SCREE_LANES];                              /* normal in the middle of the step */
     double arm[SCREE_LANES], host_arm[SCREE_LANES];              /* from the centres to the contact at the start, m */
     double last[3][SCREE_LANES], before[3][SCREE_LANES];         /* impulses of the last two steps, N s */
     double last_depth[SCREE_LANES], depth_before[SCREE_LANES];   /* and the overlaps that friction had on the mean, m */
-    double along[3][SCREE_LANES], more[3][SCREE_LANES];          /* m/s^2 */
+    double along[3][SCREE_LANES], more[4][SCREE_LANES];          /* m/s^2; more than 0 if one isn't a ball */
     double ball_turn[4][SCREE_LANES], host_turn[4][SCREE_LANES]; /* rad/s^2; 1/(kg m^2) */
-    double ball_more[4][SCREE_LANES], host_more[4][SCREE_LANES];
+    double ball_more[3][SCREE_LANES], host_more[3][SCREE_LANES];
 };
+
+/* Masses and radii count of balls of one size, too (unlike in fetch). */
+static inline void fetch_motions(const struct ends *ends, int count, int balls, int even, struct block *b) {
+    for (int lane = 0; lane < padded(count); lane += WIDTH) {
+        fetch_way(ends, lane, balls, 0, b);
+        if (even)
+            fetch_even_spins(ends, lane, b);
+        else
+            fetch_spins(ends, lane, b);
+    }
+}
 
 /* Lanes lane … lane + WIDTH - 1 of contacts between such bodies; padding repeats the last. */
 static inline const struct scree_ends *ends_at(const struct scree_ends *contact, int count, int lane) {
@@ -27,58 +39,66 @@ static inline const struct scree_ends *ends_at(const struct scree_ends *contact,
 #ifdef __AVX512F__
 static SCREE_INLINE wide_row wide_at(const double *rows) { return *(const wide_row *)rows; }
 
-static inline void fetch_turns(const struct scree_push *const push[8], int lane, double (*turn)[SCREE_LANES],
-                               double (*more)[SCREE_LANES]) {
-    wide_row r[8];
-    for (int i = 0; i < 8; i++) r[i] = wide_at(push[i]->turn);
+static inline void put_turns(wide_row r[8], int lane, double (*turn)[SCREE_LANES], double (*more)[SCREE_LANES]) {
     transpose_wide(r);
     store_wide(r, 4, turn, lane);
     store_wide(r + 4, 3, more, lane);
 }
 
 static inline void fetch_some_pushes(const struct scree_push *push, const struct scree_ends *contact, int count,
-                                     int lane, int turns, struct meeting *to) {
+                                     int lane, int turns, int even, struct meeting *to) {
     const struct scree_push *ball[8], *host[8];
     wide_row r[8];
     for (int i = 0; i < 8; i++) {
         const struct scree_ends *ends = ends_at(contact, count, lane + i);
         ball[i] = &push[ends->ball];
         host[i] = &push[ends->host];
-        r[i] = wide_at(ball[i]->along) - wide_at(host[i]->along);
+        r[i] = wide_at(ball[i]->along) - wide_turned(wide_at(host[i]->along));
     }
     transpose_wide(r);
     store_wide(r, 3, to->along, lane);
-    store_wide(r + 4, 3, to->more, lane);
+    store_wide(r + 4, 4, to->more, lane);
     if (!turns) return;
-    fetch_turns(ball, lane, to->ball_turn, to->ball_more);
-    fetch_turns(host, lane, to->host_turn, to->host_more);
+    for (int i = 0; i < 8; i++) {
+        r[i] = wide_at(ball[i]->turn);
+        if (even) r[i] += wide_at(host[i]->turn);
+    }
+    put_turns(r, lane, to->ball_turn, to->ball_more);
+    if (even) return;
+    for (int i = 0; i < 8; i++) r[i] = wide_at(host[i]->turn);
+    put_turns(r, lane, to->host_turn, to->host_more);
 }
 #elif defined __AVX__
 static inline void fetch_some_pushes(const struct scree_push *push, const struct scree_ends *contact, int count,
-                                     int lane, int turns, struct meeting *to) {
+                                     int lane, int turns, int even, struct meeting *to) {
+    const scree_row sign = {1.0, 1.0, 1.0, -1.0};
     scree_row row[6][4];
     for (int i = 0; i < 4; i++) {
         const struct scree_ends *ends = ends_at(contact, count, lane + i);
         const struct scree_push *ball = &push[ends->ball], *host = &push[ends->host];
         row[0][i] = *(const scree_row *)ball->along - *(const scree_row *)host->along;
-        row[1][i] = *(const scree_row *)ball->more - *(const scree_row *)host->more;
+        row[1][i] = *(const scree_row *)ball->more - *(const scree_row *)host->more * sign;
         if (!turns) continue;
         row[2][i] = *(const scree_row *)ball->turn;
         row[3][i] = *(const scree_row *)ball->turn_more;
         row[4][i] = *(const scree_row *)host->turn;
         row[5][i] = *(const scree_row *)host->turn_more;
+        if (!even) continue;
+        row[2][i] += row[4][i];
+        row[3][i] += row[5][i];
     }
     store_columns(row[0], 3, to->along, lane);
-    store_columns(row[1], 3, to->more, lane);
+    store_columns(row[1], 4, to->more, lane);
     if (!turns) return;
     store_columns(row[2], 4, to->ball_turn, lane);
     store_columns(row[3], 3, to->ball_more, lane);
+    if (even) return;
     store_columns(row[4], 4, to->host_turn, lane);
     store_columns(row[5], 3, to->host_more, lane);
 }
 #else
 static inline void fetch_some_pushes(const struct scree_push *push, const struct scree_ends *contact, int count,
-                                     int lane, int turns, struct meeting *to) {
+                                     int lane, int turns, int even, struct meeting *to) {
     for (int i = 0; i < WIDTH; i++) {
         const struct scree_ends *ends = ends_at(contact, count, lane + i);
         const struct scree_push *ball = &push[ends->ball], *host = &push[ends->host];
@@ -86,10 +106,13 @@ static inline void fetch_some_pushes(const struct scree_push *push, const struct
             to->along[k][lane + i] = ball->along[k] - host->along[k];
             to->more[k][lane + i] = ball->more[k] - host->more[k];
         }
+        to->more[3][lane + i] = ball->more[3] + host->more[3];
         for (int k = 0; turns && k < 4; k++) {
-            to->ball_turn[k][lane + i] = ball->turn[k];
-            to->ball_more[k][lane + i] = ball->turn_more[k];
+            to->ball_turn[k][lane + i] = even ? ball->turn[k] + host->turn[k] : ball->turn[k];
             to->host_turn[k][lane + i] = host->turn[k];
+        }
+        for (int k = 0; turns && k < 3; k++) {
+            to->ball_more[k][lane + i] = even ? ball->turn_more[k] + host->turn_more[k] : ball->turn_more[k];
             to->host_more[k][lane + i] = host->turn_more[k];
         }
     }
@@ -97,8 +120,12 @@ static inline void fetch_some_pushes(const struct scree_push *push, const struct
 #endif
 
 static inline void fetch_pushes(const struct scree_push *push, const struct scree_ends *contact, int count, int turns,
-                                struct meeting *to) {
-    for (int lane = 0; lane < padded(count); lane += WIDTH) fetch_some_pushes(push, contact, count, lane, turns, to);
+                                int even, struct meeting *to) {
+    for (int lane = 0; lane < padded(count); lane += WIDTH)
+        if (even)
+            fetch_some_pushes(push, contact, count, lane, 1, 1, to);
+        else
+            fetch_some_pushes(push, contact, count, lane, turns, 0, to);
 }
 
 /* Numbers of one column, of contacts one after the other (`index` NULL) or here and there. */
@@ -111,17 +138,19 @@ static inline void fetch_column(const double *column, int first, const int *inde
     }
 }
 
-/* The same of friction's state. */
+/* The same of friction's state, 0 or 1. */
 static inline void fetch_state(const unsigned char *slides, int first, const int *index, int count, double *to) {
-    for (int k = 0; k < padded(count); k++) {
-        int from = index ? index[k < count ? k : count - 1] : first + k;
-        to[k] = slides[from] ? 1.0 : 0.0;
+    if (index) {
+        for (int k = 0; k < padded(count); k++) to[k] = (double)slides[index[k < count ? k : count - 1]];
+    } else {
+        _Pragma("omp simd")
+        for (int k = 0; k < padded(count); k++) to[k] = (double)slides[first + k];
     }
 }
 
 /* What is kept of the contacts. */
 static void fetch_kept(const struct scree_batch *batch, int first, const int *index, int count, int turns,
-                       struct block *b, struct meeting *to, struct course *c, struct motion *m) {
+                       struct meeting *to, struct course *c, struct motion *m) {
     for (int axis = 0; axis < 3; axis++) {
         fetch_column(batch->past[axis], first, index, count, to->last[axis]);
         fetch_column(batch->past[SCREE_PAST_STEP + axis], first, index, count, to->before[axis]);
@@ -140,41 +169,51 @@ static void fetch_kept(const struct scree_batch *batch, int first, const int *in
     }
     for (int axis = 0; axis < 3; axis++) fetch_column(batch->kept[axis], first, index, count, c->s[axis]);
     fetch_state(batch->slides, first, index, count, c->slides);
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) put(c->s, k, scree_into_tangent_plane(get(c->s, k), get(b->n, k)));
 }
 
-/* Arms and speeds at the start, arms and normal in the middle. */
-static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int balls, int turns, struct meeting *to,
-                                   struct course *c, struct motion *m) {
+/* Levers of both bodies times what they do, summed. */
+static SCREE_INLINE struct vec by_arms(const struct meeting *at, int k, int even, struct vec ball, struct vec host) {
+    struct vec own = vec_scale(at->arm[k], ball);
+    return even ? own : vec_axpy(own, at->host_arm[k], host);
+}
+
+/* Normal, arms and speeds at the start, normal in the middle. */
+static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int balls, int turns, struct sizes sizes,
+                                   struct meeting *to, struct course *c, struct motion *m) {
     struct vec n = get(b->n, k), shift = get(b->shift, k), rush = get(b->rush, k), later_n = n;
-    double d = b->overlap[k], along = vec_dot(rush, n), apart = balls ? b->shift[3][k] - d : vec_dot(shift, n);
+    double d = b->overlap[k], radii = radii_of(b, k, sizes), apart = vec_dot(shift, n);
     if (balls) {
         const struct vec origin = {0.0, 0.0, 0.0};
-        struct scree_meeting later = scree_meet_ball(vec_axpy(shift, 0.5 * step, rush), b->shift[3][k], origin, 0.0);
-        later_n = later.normal;
+        n = scree_normal_of(shift, b->apart[k], b->inverse[k]);
+        d = radii - b->apart[k];
+        apart = radii - d;
+        later_n = scree_meet_ball(vec_axpy(shift, 0.5 * step, rush), radii, origin, 0.0).normal;
+        put(b->n, k, n);
+        b->overlap[k] = d;
     }
     put(to->later_n, k, later_n);
-    to->arm[k] = b->radius[k] - 0.5 * d;
-    to->host_arm[k] = apart - to->arm[k];
+    to->arm[k] = (sizes.even ? 0.5 * radii : b->radius[k]) - 0.5 * d;
+    if (!sizes.even) to->host_arm[k] = apart - to->arm[k];
     c->d[k] = d;
-    c->u[k] = -along;
+    c->u[k] = -vec_dot(rush, n);
     m->give[k] = b->rush[3][k];
     m->give_aside[k] = m->give[k];
     if (!turns) return;
-    struct vec around = vec_axpy(vec_scale(to->arm[k], get(b->ball_spin, k)), to->host_arm[k], get(b->host_spin, k));
-    struct vec slip = vec_sub(rush, vec_cross(around, n));
+    struct vec spin = get(b->ball_spin, k), other = get(b->host_spin, k);
+    struct vec slip = vec_sub(rush, vec_cross(by_arms(to, k, sizes.even, spin, other), n));
     put(c->v, k, vec_axpy(slip, -vec_dot(slip, n), n));
-    put(c->q, k, vec_scale(0.5, vec_cross(vec_add(get(b->ball_spin, k), get(b->host_spin, k)), n)));
+    put(c->q, k, vec_scale(0.5, vec_cross(sizes.even ? spin : vec_add(spin, other), n)));
+    put(c->s, k, scree_into_tangent_plane(get(c->s, k), n));
     double ball = to->arm[k] * to->ball_turn[3][k], host = to->host_arm[k] * to->host_turn[3][k];
-    m->give_aside[k] += to->arm[k] * ball + to->host_arm[k] * host;
+    double by_turns = to->arm[k] * ball;
+    m->give_aside[k] += sizes.even ? by_turns : by_turns + to->host_arm[k] * host;
     m->start[k] = d;
-    m->lever[0][k] = ball + host;
-    m->lever[1][k] = to->ball_turn[3][k] + to->host_turn[3][k];
+    m->lever[0][k] = sizes.even ? ball : ball + host;
+    m->lever[1][k] = sizes.even ? to->ball_turn[3][k] : to->ball_turn[3][k] + to->host_turn[3][k];
 }
 
 /* The acceleration that isn't the pair's own: the rest of what the bodies do, and the turning of arms and normal. */
-static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int turns, struct meeting *to,
+static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int turns, int even, struct meeting *to,
                                     struct motion *m) {
     struct vec n = get(b->n, k), later_n = get(to->later_n, k), rush = get(b->rush, k), last = get(to->last, k);
     double more = (0.15 - 0.5 * m->rate[k] * step) / 0.06, per_step = 1.0 / step;
@@ -187,7 +226,7 @@ static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int tur
     if (turns) {
         struct vec ball = vec_axpy(get(to->ball_turn, k), more, get(to->ball_more, k));
         struct vec host = vec_axpy(get(to->host_turn, k), more, get(to->host_more, k));
-        a = vec_sub(a, vec_cross(vec_axpy(vec_scale(to->arm[k], ball), to->host_arm[k], host), n));
+        a = vec_sub(a, vec_cross(by_arms(to, k, even, ball, host), n));
         /* Levers were longer by half of what the overlap has gained since. */
         double longer = 0.5 * (b->overlap[k] - to->last_depth[k]),
                before_that = 0.5 * (b->overlap[k] - to->depth_before[k]);
@@ -195,8 +234,7 @@ static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int tur
         mine = vec_axpy(mine, m->lever[0][k] * longer * (1.0 + more), last);
         mine = vec_axpy(mine, -m->lever[0][k] * before_that * more, get(to->before, k));
         a = vec_axpy(a, -per_step, vec_axpy(mine, -vec_dot(mine, n), n));
-        struct vec w = get(b->ball_spin, k), other = get(b->host_spin, k);
-        struct vec around = vec_axpy(vec_scale(to->arm[k], w), to->host_arm[k], other);
+        struct vec around = by_arms(to, k, even, get(b->ball_spin, k), get(b->host_spin, k));
         gain = vec_scale(-1.0, vec_cross(around, sweep));
         slip = vec_sub(rush, vec_cross(around, n));
     }
@@ -216,26 +254,25 @@ static SCREE_INLINE struct vec turn_over(struct vec v, struct vec axis, double c
 }
 
 /* Impulses in the directions of mid-step. */
-static SCREE_INLINE void yield_lane(struct block *b, int k, int balls, int turns, struct meeting *at, struct course *c,
-                                    struct scree_yield *yield, struct scree_moments *moments) {
+static SCREE_INLINE void yield_lane(struct block *b, int k, int balls, int turns, int even, struct meeting *at,
+                                    struct course *c, struct scree_yield *yield, struct scree_moments *moments) {
     struct vec later = get(at->later_n, k);
     struct vec j = vec_scale(c->press[k], later), m = vec_scale(c->press_moment[k], later);
     if (turns) {
-        struct vec rub = get(c->rub, k), rub_moment = get(c->rub_moment, k);
-        struct vec ball = vec_axpy(vec_scale(at->arm[k], rub), -0.5, get(c->deep, k));
-        struct vec host = vec_axpy(vec_scale(at->host_arm[k], rub), -0.5, get(c->deep, k));
+        struct vec rub = get(c->rub, k), rub_moment = get(c->rub_moment, k), deep = get(c->deep, k);
         if (balls) {
             struct vec n = get(b->n, k), axis = vec_cross(n, later);
             double cosine = vec_dot(n, later);
             rub = turn_over(rub, axis, cosine);
             rub_moment = turn_over(rub_moment, axis, cosine);
-            ball = turn_over(ball, axis, cosine);
-            host = turn_over(host, axis, cosine);
+            deep = turn_over(deep, axis, cosine);
         }
         j = vec_add(j, rub);
         m = vec_add(m, rub_moment);
-        put(yield->turn_ball, k, vec_cross(ball, later));
-        put(yield->turn_host, k, vec_cross(host, later));
+        struct vec ball = vec_cross(vec_axpy(vec_scale(at->arm[k], rub), -0.5, deep), later), host = ball;
+        if (!even) host = vec_cross(vec_axpy(vec_scale(at->host_arm[k], rub), -0.5, deep), later);
+        put(yield->turn_ball, k, ball);
+        put(yield->turn_host, k, host);
     }
     put(yield->impulse, k, j);
     put(moments->impulse, k, m);

@@ -27,8 +27,10 @@ int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, c
     int too_far = 0;
     for (int k = from; k < to; k++) {
         if (bodies->class[k] != SCREE_CLASS_BALL || (lent && lent[k] != only)) continue;
-        scree_ball_advance_by_moments(bodies, k, go->step, gravity);
-        if (go->ahead) too_far |= scree_ball_look_both(bodies, k, go->step, next, fall, go->margin, go->now);
+        if (go->ahead)
+            too_far |= scree_ball_move_by_moments(bodies, k, go->step, gravity, next, fall, go->margin, go->now);
+        else
+            scree_ball_advance_by_moments(bodies, k, go->step, gravity);
     }
     return too_far;
 }

@@ -18,12 +18,15 @@
 
 /* ---- passes ---- */
 
-/* Whether no slider of a vector of lanes slides, so that how one does needn't be reckoned: most stick in a bed. */
-static int all_stick(const struct course *c, int from) {
-    int slides = 0;
-    for (int k = from; k < from + WIDTH; k++) slides |= c->slides[k] > 0.0;
-    return !slides;
+/* Whether there is a one in a vector of lanes. */
+static int any_of(const double column[SCREE_LANES], int from) {
+    int any = 0;
+    for (int k = from; k < from + WIDTH; k++) any |= column[k] > 0.0;
+    return any;
 }
+
+/* Whether no slider of a vector of lanes slides, so that how one does needn't be reckoned: most stick in a bed. */
+static int all_stick(const struct course *c, int from) { return !any_of(c->slides, from); }
 
 #define SMOOTH_PASS(name, ...)                                                                                         \
     __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, double step, \
@@ -31,13 +34,16 @@ static int all_stick(const struct course *c, int from) {
                                                              struct motion *m) {                                       \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         if (laws.none) return;                                                                                         \
-        SMOOTH_LOOP(rate_lane(laws, rule, slope, step, asked, k, c, m);)                                               \
+        double deeper[SCREE_LANES];                                                                                    \
+        SMOOTH_LOOP(deeper[k] = rate_lane(laws, rule, slope, step, asked, 0, k, c, m);)                                \
+        for (int from = 0; from < padded(count); from += WIDTH)                                                        \
+            if (any_of(deeper, from)) SMOOTH_VECTOR(rate_lane(laws, rule, slope, step, asked, 1, k, c, m);)            \
     }                                                                                                                  \
     __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct motion *m, int count,  \
                                                           double step, struct course *c, struct stride *to) {          \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
+        const struct scree_rule constants = *rule;                                                                     \
         struct smooth_laws sticking = laws;                                                                            \
-        struct scree_rule constants = *rule;                                                                           \
         sticking.all_stick = 1;                                                                                        \
         if (laws.none) return;                                                                                         \
         for (int from = 0; from < padded(count); from += WIDTH)                                                        \
@@ -50,7 +56,7 @@ static int all_stick(const struct course *c, int from) {
                                                             int count, double step, struct course *c,                  \
                                                             struct stride *to) {                                       \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
-        struct scree_rule constants = *rule;                                                                           \
+        const struct scree_rule constants = *rule;                                                                     \
         if (laws.none || laws.root < 2) return;                                                                        \
         SMOOTH_LOOP(tick_lane(laws, &constants, m, k, step, c, to);)                                                   \
     }
@@ -133,6 +139,12 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
 
 /* ---- a block ---- */
 
+/* Contacts of a kind: whether both bodies are balls, friction turns them, and they are of one size. */
+struct smooth_kind {
+    int balls, turns;
+    struct sizes sizes;
+};
+
 /* Columns of a block on its way. */
 struct smooth_block {
     struct block b;
@@ -150,7 +162,7 @@ static void begin_course(struct course *c) {
 
 /* Contacts first … of a batch, one after the other, or (`index`) some here and there. */
 static void gather_smooth(const struct scree_bodies *now, const struct scree_batch *batch, int first, const int *index,
-                          int count, int turns, struct smooth_block *s) {
+                          int count, int turns, int even, struct smooth_block *s) {
     struct scree_contact contact[SCREE_LANES];
     struct scree_ends own[SCREE_LANES];
     const struct scree_ends *pair = index ? own : &batch->ends[first];
@@ -159,29 +171,39 @@ static void gather_smooth(const struct scree_bodies *now, const struct scree_bat
     for (int k = 0; batch->geometry != SCREE_BALL_BALL && k < count; k++)
         contact[k] = scree_contact_at(batch, index ? index[k] : first + k);
     find_ends(now, pair, count, &ends);
-    gather(now, contact, &ends, count, batch->geometry, (struct wants){0}, &s->b);
-    fetch_pushes(now->push, pair, count, turns, &s->at);
-    fetch_kept(batch, first, index, count, turns, &s->b, &s->at, &s->x.c, &s->x.m);
+    fetch_motions(&ends, count, batch->geometry != SCREE_BALL_PLANE, even, &s->b);
+    if (batch->geometry == SCREE_BALL_IMAGE) bring_images(now, contact, count, &s->b);
+    if (batch->geometry == SCREE_BALL_PLANE) meet_others(now, contact, count, SCREE_BALL_PLANE, &s->b);
+    fetch_pushes(now->push, pair, count, turns, even, &s->at);
+    fetch_kept(batch, first, index, count, turns, &s->at, &s->x.c, &s->x.m);
 }
 
-/* A loop of its own for each kind of contact. */
-static void meet_smooth(struct smooth_block *s, int count, double step, int balls, int turns) {
-    if (balls && turns) {
-        SMOOTH_LOOP(meet_lane(&s->b, k, step, 1, 1, &s->at, &s->x.c, &s->x.m);)
-    } else if (balls) {
-        SMOOTH_LOOP(meet_lane(&s->b, k, step, 1, 0, &s->at, &s->x.c, &s->x.m);)
-    } else if (turns) {
-        SMOOTH_LOOP(meet_lane(&s->b, k, step, 0, 1, &s->at, &s->x.c, &s->x.m);)
-    } else {
-        SMOOTH_LOOP(meet_lane(&s->b, k, step, 0, 0, &s->at, &s->x.c, &s->x.m);)
-    }
+/* CALL(balls, turns, even): a loop of its own for each kind of contact. */
+#define FOR_KIND(kind, CALL)                                                                                           \
+    do {                                                                                                               \
+        if ((kind).sizes.even)                                                                                         \
+            CALL(1, 1, 1);                                                                                             \
+        else if ((kind).balls && (kind).turns)                                                                         \
+            CALL(1, 1, 0);                                                                                             \
+        else if ((kind).balls)                                                                                         \
+            CALL(1, 0, 0);                                                                                             \
+        else if ((kind).turns)                                                                                         \
+            CALL(0, 1, 0);                                                                                             \
+        else                                                                                                           \
+            CALL(0, 0, 0);                                                                                             \
+    } while (0)
+
+static void meet_smooth(struct smooth_block *s, int count, double step, struct smooth_kind kind) {
+#define MEET(balls, turns, even)                                                                                       \
+    SMOOTH_LOOP(meet_lane(&s->b, k, step, balls, turns, sizes_if(kind.sizes, even), &s->at, &s->x.c, &s->x.m))
+    FOR_KIND(kind, MEET);
+#undef MEET
 }
 
-static void drive_smooth(struct smooth_block *s, int count, double step, int turns) {
-    if (turns)
-        SMOOTH_LOOP(drive_lane(&s->b, k, step, 1, &s->at, &s->x.m);)
-    else
-        SMOOTH_LOOP(drive_lane(&s->b, k, step, 0, &s->at, &s->x.m);)
+static void drive_smooth(struct smooth_block *s, int count, double step, struct smooth_kind kind) {
+#define DRIVE(balls, turns, even) SMOOTH_LOOP(drive_lane(&s->b, k, step, turns, even, &s->at, &s->x.m))
+    FOR_KIND(kind, DRIVE);
+#undef DRIVE
 }
 
 /* Energy in the normal direction that a contact gives back, J. */
@@ -206,10 +228,10 @@ static void book_losses(const struct smooth_pass *pass, struct smooth_block *s, 
 }
 
 /* Depths, slopes, and levers. */
-static SCREE_INLINE void rate_contact(struct smooth_block *s, int k, int turns, double slope,
+static SCREE_INLINE void rate_contact(struct smooth_block *s, int k, int turns, struct sizes sizes, double slope,
                                       struct scree_yield *yield) {
     double steep = slope * 4.0 * s->b.rush[3][k] * vec_dot(get(yield->impulse, k), get(s->at.later_n, k));
-    yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k, (struct sizes){0});
+    yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k, sizes);
     yield->steep[k] = slope > 0.0 ? steep : 0.0;
     yield->lasts[k] = s->x.c.d[k] > 0.0 ? 1.0 : 0.0;
     if (!turns) return;
@@ -219,26 +241,21 @@ static SCREE_INLINE void rate_contact(struct smooth_block *s, int k, int turns, 
 }
 
 /* What a contact yields, unless its normal has jumped. */
-static SCREE_INLINE void finish_lane(struct smooth_block *s, int k, int balls, int turns, double slope,
-                                     struct scree_yield *yield, struct scree_moments *moments) {
-    yield_lane(&s->b, k, balls, turns, &s->at, &s->x.c, yield, moments);
-    rate_contact(s, k, turns, slope, yield);
+static SCREE_INLINE void finish_lane(struct smooth_block *s, int k, int balls, int turns, struct sizes sizes,
+                                     double slope, struct scree_yield *yield, struct scree_moments *moments) {
+    yield_lane(&s->b, k, balls, turns, sizes.even, &s->at, &s->x.c, yield, moments);
+    rate_contact(s, k, turns, sizes, slope, yield);
     double steady = vec_dot(get(s->b.n, k), get(s->at.later_n, k));
     int plain = (steady >= 0.9) & (s->x.m.give[k] > 0.0);
     s->x.c.odd[k] = plain ? s->x.c.odd[k] : 1.0;
 }
 
-static void yield_smooth(struct smooth_block *s, int count, int balls, int turns, double slope,
+static void yield_smooth(struct smooth_block *s, int count, struct smooth_kind kind, double slope,
                          struct scree_yield *yield, struct scree_moments *moments) {
-    if (balls && turns) {
-        SMOOTH_LOOP(finish_lane(s, k, 1, 1, slope, yield, moments);)
-    } else if (balls) {
-        SMOOTH_LOOP(finish_lane(s, k, 1, 0, slope, yield, moments);)
-    } else if (turns) {
-        SMOOTH_LOOP(finish_lane(s, k, 0, 1, slope, yield, moments);)
-    } else {
-        SMOOTH_LOOP(finish_lane(s, k, 0, 0, slope, yield, moments);)
-    }
+#define FINISH(balls, turns, even)                                                                                     \
+    SMOOTH_LOOP(finish_lane(s, k, balls, turns, sizes_if(kind.sizes, even), slope, yield, moments))
+    FOR_KIND(kind, FINISH);
+#undef FINISH
 }
 
 /* What is kept of contacts one after the other. */
@@ -257,8 +274,15 @@ static void keep_all(const struct scree_batch *batch, struct smooth_block *s, in
         double *kept = batch->kept[axis] + first;
         SMOOTH_LOOP({ kept[k] = s->x.c.odd[k] > 0.0 ? kept[k] : s->x.c.s[axis][k] + 0.0; }) /* zeros have no sign */
     }
-    for (int k = 0; k < padded(count); k++)
-        if (!(s->x.c.odd[k] > 0.0)) batch->slides[first + k] = s->x.c.slides[k] > 0.0;
+    unsigned char *slides = batch->slides + first;
+    double most = 0.0; /* no slider slides, or has slid: so it is with most blocks */
+    _Pragma("omp simd reduction(max : most)")
+    for (int k = 0; k < padded(count); k++) {
+        double slid = (double)slides[k] + s->x.c.slides[k];
+        most = slid > most ? slid : most;
+    }
+    for (int k = 0; most > 0.0 && k < padded(count); k++)
+        if (!(s->x.c.odd[k] > 0.0)) slides[k] = s->x.c.slides[k] > 0.0;
 }
 
 /* The same of one contact here or there, whose yield goes to another lane. */
@@ -285,9 +309,13 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
     scree_keep(batch, SCREE_KEPT_STATE, index, s->x.c.slides[i]);
 }
 
-/* Most have touched in the step before. */
-static inline int has_touched(const struct scree_batch *batch, int index) {
-    return (batch->past[0][index] != 0.0) | (batch->past[1][index] != 0.0) | (batch->past[2][index] != 0.0);
+/* How many have touched in the step before: most. */
+static int count_touched(const struct scree_batch *batch, int first, int count) {
+    const double *x = batch->past[0] + first, *y = batch->past[1] + first, *z = batch->past[2] + first;
+    double touched = 0.0;
+    _Pragma("omp simd reduction(+ : touched)")
+    for (int k = 0; k < count; k++) touched += x[k] * x[k] + y[k] * y[k] + z[k] * z[k] > 0.0 ? 1.0 : 0.0;
+    return (int)touched;
 }
 
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
@@ -331,23 +359,27 @@ struct smooth_work {
     const struct scree_bodies *now;
     const struct scree_batch *batch;
     struct smooth_pass pass;
-    int first, balls;
+    struct smooth_kind kind;
+    int first;
 };
 
 /* From the bodies up to what drives the lanes. */
 static void begin_smooth(const struct smooth_work *w, const int *index, int count, struct smooth_block *s) {
     const struct smooth_pass *pass = &w->pass;
-    gather_smooth(w->now, w->batch, w->first, index, count, pass->rubs, s);
-    meet_smooth(s, count, pass->step, w->balls, pass->rubs);
+    gather_smooth(w->now, w->batch, w->first, index, count, pass->rubs, w->kind.sizes.even, s);
+    meet_smooth(s, count, pass->step, w->kind);
     pass->loops->rates(pass->rule, pass->slope, pass->step, pass->substeps, count, &s->x.c, &s->x.m);
-    drive_smooth(s, count, pass->step, pass->rubs);
+    drive_smooth(s, count, pass->step, w->kind);
     s->x.by_clock = 0;
 }
 
 static struct smooth_work work_on(const struct scree_contacts *contacts, const struct scree_bodies *now,
                                   const struct scree_batch *batch, int first, double step) {
     int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE;
-    return (struct smooth_work){now, batch, smooth_pass_of(contacts, batch, first, step), first, balls};
+    struct smooth_pass pass = smooth_pass_of(contacts, batch, first, step);
+    struct sizes sizes = {balls && pass.rubs && now->even > 0.0, now->even + now->even,
+                          now->spin[batch->ends[first].ball].limit};
+    return (struct smooth_work){now, batch, pass, {balls, pass.rubs, sizes}, first};
 }
 
 /* Some of the lanes, drawn together, past whatever happens to them. Returns those that are left to within.c. */
@@ -367,7 +399,7 @@ uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const stru
     begin_lanes(count, step, turns, s.flight, &s.x);
     for (int k = 0; k < count; k++) touching |= s.x.c.rest[k] > 0.0;
     if (touching) march_on(&w->pass, count, &s.x);
-    yield_smooth(&s, count, w->balls, turns, w->batch->slope, &few, &few_moments);
+    yield_smooth(&s, count, w->kind, w->batch->slope, &few, &few_moments);
     book_losses(&w->pass, &s, count, &few);
     for (int i = 0; i < count; i++)
         if (s.x.c.odd[i] > 0.0)
@@ -375,6 +407,11 @@ uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const stru
         else
             hand_over(w->batch, &s, i, index[i], lane[i], turns, &few, &few_moments, yield, moments);
     return odd;
+}
+
+static SCREE_INLINE void accept_straight(int rubs, int k, struct smooth_block *s) {
+    accept_lane(rubs, 1, 1, k, &s->x);
+    s->x.c.odd[k] = s->event[k] > 0.0 ? 1.0 : s->x.c.odd[k];
 }
 
 /* All lanes straight through the step. Those to which something happens in it, or may, are left as they were: their
@@ -385,15 +422,17 @@ static int impel_straight(const struct smooth_work *w, int count, int *lane, str
     struct smooth_block s;
     int left = 0;
     begin_smooth(w, NULL, count, &s);
-    SMOOTH_LOOP(try_lane(pass, k, &s.x);)
+    SMOOTH_LOOP({
+        s.x.c.odd[k] = s.at.more[3][k] > 0.0 ? 1.0 : s.x.c.odd[k];
+        try_lane(pass, k, &s.x);
+    })
     pass->loops->go(pass->rule, &s.x.m, count, pass->step, &s.x.c, &s.x.to);
     look(pass, count, &s.x, s.event);
     if (pass->rubs)
-        SMOOTH_LOOP(accept_lane(1, 1, 1, k, &s.x);)
+        SMOOTH_LOOP(accept_straight(1, k, &s);)
     else
-        SMOOTH_LOOP(accept_lane(0, 1, 1, k, &s.x);)
-    SMOOTH_LOOP(s.x.c.odd[k] = s.event[k] > 0.0 ? 1.0 : s.x.c.odd[k];)
-    yield_smooth(&s, count, w->balls, pass->rubs, w->batch->slope, yield, moments);
+        SMOOTH_LOOP(accept_straight(0, k, &s);)
+    yield_smooth(&s, count, w->kind, w->batch->slope, yield, moments);
     book_losses(pass, &s, count, yield);
     keep_all(w->batch, &s, w->first, count, pass->rubs, yield);
     for (int k = 0; k < count; k++)
@@ -401,12 +440,14 @@ static int impel_straight(const struct smooth_work *w, int count, int *lane, str
     return left;
 }
 
-/* Those of the lanes to which something can happen; the others have no yield. */
+/* Those of the lanes to which something can happen; the others have no yield, or are left to within.c (`odd`). */
 static int sort_out(const struct smooth_work *w, int *lane, int count, struct scree_yield *yield,
-                    struct scree_moments *moments) {
+                    struct scree_moments *moments, uint32_t *odd) {
     int acting = 0;
     for (int i = 0; i < count; i++)
-        if (far_apart(w->now, w->batch, w->first + lane[i]))
+        if (!is_plain(w->now, &w->batch->ends[w->first + lane[i]]))
+            *odd |= (uint32_t)1 << lane[i];
+        else if (far_apart(w->now, w->batch, w->first + lane[i]))
             hand_nothing(yield, moments, lane[i]);
         else
             lane[acting++] = lane[i];
@@ -417,18 +458,15 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments) {
     const struct smooth_work work = work_on(contacts, now, batch, first, step);
-    int lane[SCREE_LANES], lanes = 0, touched = 0;
+    int lane[SCREE_LANES], lanes = count;
     uint32_t odd = 0;
-    if (!work.pass.loops || !(work.balls || batch->geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
-    for (int k = 0; k < count; k++) {
-        touched += has_touched(batch, first + k);
-        if (is_plain(now, &batch->ends[first + k]))
-            lane[lanes++] = k;
-        else
-            odd |= (uint32_t)1 << k;
-    }
-    if (2 * touched >= count && !odd) lanes = impel_straight(&work, count, lane, yield, moments);
-    int acting = sort_out(&work, lane, lanes, yield, moments);
+    if (!work.pass.loops || !(work.kind.balls || batch->geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
+    if (2 * count_touched(batch, first, count) >= count &&
+        is_plain(now, &batch->ends[first])) /* as the others, mostly */
+        lanes = impel_straight(&work, count, lane, yield, moments);
+    else
+        for (int k = 0; k < count; k++) lane[k] = k;
+    int acting = sort_out(&work, lane, lanes, yield, moments, &odd);
     if (!acting) return odd;
     const struct scree_loop *loop = acting <= 4 ? contacts->loop_for_few : contacts->loop;
     return odd | loop->impel_few(contacts, now, batch, first, lane, acting, step, yield, moments);
@@ -443,9 +481,17 @@ static inline void load_rows(double (*column)[SCREE_LANES], int lane, scree_row 
 }
 #endif
 
+/* Few blocks have what is deeper or steeper than any before. */
+static int stands_out(const struct scree_yield *yield, int count, const struct scree_tally *tally) {
+    double deepest = tally->deepest, steepest = tally->steepest, more = 0.0;
+    _Pragma("omp simd reduction(+ : more)")
+    for (int k = 0; k < count; k++) more += ((yield->depth[k] <= deepest) & (yield->steep[k] <= steepest)) ? 0.0 : 1.0;
+    return more > 0.0;
+}
+
 /* Impulses of a block and their moments into the bodies, whose attitudes don't turn by them. */
-void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
-                        struct scree_yield *yield, struct scree_moments *moments) {
+int SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
+                       struct scree_yield *yield, struct scree_moments *moments, const struct scree_tally *tally) {
 #ifdef __AVX__
     for (int lane = 0; lane < count; lane += 4) {
         scree_row impulse[4], moment[4], turn_ball[4], turn_host[4];
@@ -478,4 +524,5 @@ void SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *co
         }
     }
 #endif
+    return stands_out(yield, count, tally);
 }
