@@ -132,23 +132,36 @@ static void stride_out(int count, struct march *x) {
 /* With friction, a step over the whole grid may be too long. */
 static int is_controlled(const struct smooth_pass *pass) { return pass->rubs && !pass->substeps; }
 
-/* What has happened in the step of a lane. */
-static SCREE_INLINE double look_lane(const struct smooth_pass *pass, double by_control, int k, const struct march *x) {
+/* What may have happened in the step of a lane; each 1 if it has, else 0. `odd`: the overlap isn't one any more. */
+struct seen {
+    double coarse, turns, slips, ends, odd;
+};
+
+static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, double by_control, int k,
+                                         const struct march *x) {
     const struct course *c = &x->c;
     const struct stride *to = &x->to;
     double by_turn = pass->turns ? 1.0 : 0.0, rubs = pass->rubs ? 1.0 : 0.0, damped = pass->damped ? 1.0 : 0.0;
-    double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k];
-    double coarse = x->m.grid[k] > 0.75 * pass->step ? by_control * to->coarse[k] : 0.0;
+    double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k], coarse = by_control * to->coarse[k];
     double moves = c->u[k] * time > 1e-12 * c->d[k] ? 1.0 : rubs; /* rest isn't a turn */
-    double turns = ((after < 0.0) & (before > -1e-10 * after)) ? by_turn * moves : 0.0;
-    double what = to->lasts[0][k] > 0.0 ? ENDS : ODD;
-    what = to->lasts[1][k] < 0.0 ? what : NOTHING;
-    what = turns > 0.0 ? TURNS : what;
-    int slips = (to->holds[1][k] < 0.0) | ((damped > 0.0) & (to->holds[0][k] < 0.0));
-    what = ((rubs > 0.0) & slips) ? SLIPS : what;
-    what = ((coarse > 0.0) & (what < ODD)) ? COARSE : what;
-    what = c->d[k] >= 0.0 ? what : ODD;
-    return time > 0.0 ? what : NOTHING;
+    double slips = to->holds[0][k] < 0.0 ? damped : 0.0;
+    return (struct seen){.coarse = x->m.grid[k] > 0.75 * pass->step ? coarse : 0.0,
+                         .turns = ((after < 0.0) & (before > -1e-10 * after)) ? by_turn * moves : 0.0,
+                         .slips = to->holds[1][k] < 0.0 ? rubs : slips,
+                         .ends = to->lasts[1][k] < 0.0 ? 1.0 : 0.0,
+                         .odd = c->d[k] >= 0.0 ? 0.0 : 1.0};
+}
+
+/* What has. */
+static SCREE_INLINE double look_lane(const struct smooth_pass *pass, double by_control, int k, const struct march *x) {
+    struct seen seen = see_lane(pass, by_control, k, x);
+    double what = x->to.lasts[0][k] > 0.0 ? ENDS : ODD;
+    what = seen.ends > 0.0 ? what : NOTHING;
+    what = seen.turns > 0.0 ? TURNS : what;
+    what = seen.slips > 0.0 ? SLIPS : what;
+    what = ((seen.coarse > 0.0) & (what < ODD)) ? COARSE : what;
+    what = seen.odd > 0.0 ? ODD : what;
+    return x->to.time[k] > 0.0 ? what : NOTHING;
 }
 
 /* The same of all lanes. Returns whether anything has happened. */

@@ -151,7 +151,6 @@ struct smooth_block {
     struct meeting at;
     struct march x;
     double flight[SCREE_LANES]; /* overlap at the end of the step if nothing acts, m */
-    double event[SCREE_LANES];  /* in a step that goes straight through (march.h) */
     double depth[SCREE_LANES];  /* overlap that friction had on the mean, m; 0: none */
 };
 
@@ -409,9 +408,13 @@ uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const stru
     return odd;
 }
 
-static SCREE_INLINE void accept_straight(int rubs, int k, struct smooth_block *s) {
-    accept_lane(rubs, 1, 1, k, &s->x);
-    s->x.c.odd[k] = s->event[k] > 0.0 ? 1.0 : s->x.c.odd[k];
+/* The only step of a lane. */
+static SCREE_INLINE void accept_straight(const struct smooth_pass *pass, double by_control, int rubs, int k,
+                                         struct march *x) {
+    struct seen seen = see_lane(pass, by_control, k, x);
+    double some = seen.coarse + seen.turns + seen.slips + seen.ends + seen.odd;
+    accept_lane(rubs, 1, 1, k, x);
+    x->c.odd[k] = some > 0.0 ? 1.0 : x->c.odd[k];
 }
 
 /* All lanes straight through the step. Those to which something happens in it, or may, are left as they were: their
@@ -427,11 +430,11 @@ static int impel_straight(const struct smooth_work *w, int count, int *lane, str
         try_lane(pass, k, &s.x);
     })
     pass->loops->go(pass->rule, &s.x.m, count, pass->step, &s.x.c, &s.x.to);
-    look(pass, count, &s.x, s.event);
+    double by_control = is_controlled(pass) ? 1.0 : 0.0;
     if (pass->rubs)
-        SMOOTH_LOOP(accept_straight(1, k, &s);)
+        SMOOTH_LOOP(accept_straight(pass, by_control, 1, k, &s.x);)
     else
-        SMOOTH_LOOP(accept_straight(0, k, &s);)
+        SMOOTH_LOOP(accept_straight(pass, by_control, 0, k, &s.x);)
     yield_smooth(&s, count, w->kind, w->batch->slope, yield, moments);
     book_losses(pass, &s, count, yield);
     keep_all(w->batch, &s, w->first, count, pass->rubs, yield);
