@@ -13,7 +13,7 @@ static void impel_block(const struct scree_contacts *contacts, const struct scre
  * be of others. `hosts` 0: partners are frozen. */
 static void add_turn_moments(struct scree_bodies *bodies, const struct scree_batch *batch, int first, uint32_t lanes,
                              int count, int hosts, const struct scree_moments *moments) {
-    for (int lane = 0; batch->any_turns && lanes >> lane && lane < count; lane++) {
+    for (int lane = 0; batch->any_turns && lane < count && lanes >> lane; lane++) {
         if (!(lanes >> lane & 1)) continue;
         struct scree_contact own = scree_contact_at(batch, first + lane), *contact = &own;
         int turns = scree_contact_turns(batch, contact);

@@ -550,7 +550,7 @@ uint32_t scree_impel_lanes(const struct scree_contacts *contacts, const struct s
     yield->silent = 0;
     uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
     int rolls = contacts->rule[batch->rule].rolling >= 0;
-    for (int lane = 0; (rolls || left >> lane) && lane < count; lane++) {
+    for (int lane = 0; lane < count && (rolls || left >> lane); lane++) {
         struct place place = {batch, first + lane, lane, yield, moments, pair};
         if (left >> lane & 1)
             impel(contacts, bodies, now, place, step);
