@@ -289,12 +289,16 @@ static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, str
 }
 #endif
 
-static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
-    fetch_way(ends, lane, balls, even, b);
+static SCREE_INLINE void fetch_turning(const struct ends *ends, int lane, int even, struct block *b) {
     if (even)
         fetch_even_spins(ends, lane, b);
     else
         fetch_spins(ends, lane, b);
+}
+
+static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+    fetch_way(ends, lane, balls, even, b);
+    fetch_turning(ends, lane, even, b);
 }
 
 /* Padding repeats the last contact. */

@@ -24,10 +24,7 @@ struct meeting {
 static inline void fetch_motions(const struct ends *ends, int count, int balls, int even, struct block *b) {
     for (int lane = 0; lane < padded(count); lane += WIDTH) {
         fetch_way(ends, lane, balls, 0, b);
-        if (even)
-            fetch_even_spins(ends, lane, b);
-        else
-            fetch_spins(ends, lane, b);
+        fetch_turning(ends, lane, even, b);
     }
 }
 

@@ -968,6 +968,45 @@ static void test_alone(void) {
         unsetenv("SCREE_ISA");
 }
 
+/* Pairs of spheres that press on each other across the border of a periodic domain; one of every fourth pair is held
+ * along the axis, so that it is no ball to the method. `all` 0: those pairs alone. */
+static scree_scene *pairs_across(int all) {
+    char text[8192];
+    size_t used = (size_t)snprintf(
+        text, sizeof text,
+        "[time]\nend = 1.0\nforce = true\nstep = 1e-5\nintegrator = \"pair-impulse\"\n"
+        "[domain]\nmin = [0, 0, 0]\nmax = [0.2, 1, 1]\nperiodic = [\"x\"]\n[[material]]\nname = \"m\"\n[[contact]]\n"
+        "between = [\"m\", \"m\"]\nnormal = { law = \"tsuji\", stiffness = 5e6, restitution = 0.6 }\n"
+        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.5, shear_modulus = 8e6 }\n");
+    for (int k = 0; k < 12; k++)
+        for (int end = 0; end < 2 && (all || k % 4 == 2); end++)
+            used +=
+                (size_t)snprintf(text + used, sizeof text - used,
+                                 "[[body]]\nname = \"%c%d\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\n"
+                                 "mass = 0.01\nposition = [%.17g, %.17g, 0.5]\nvelocity = [0, 0, %.17g]\n%s",
+                                 end ? 'b' : 'a', k, end ? 0.2 - 0.0149 : 0.005, 0.04 + 0.05 * k,
+                                 end ? 0.1 + 0.01 * k : 0.0, end && k % 4 == 2 ? "joint = { x = \"fixed\" }\n" : "");
+    return scene_from(text, NULL, 0, 1);
+}
+
+/* A contact of what isn't a ball among such as go straight through the step. */
+static void test_held_among_balls(void) {
+    scree_scene *among = pairs_across(1), *alone = pairs_across(0);
+    go(among, 100);
+    go(alone, 100);
+    for (int k = 2; k < 12; k += 4)
+        for (int end = 0; end < 2; end++) {
+            char name[8];
+            snprintf(name, sizeof name, "%c%d", end ? 'b' : 'a', k);
+            scree_body_state one = state_of(among, name), same = state_of(alone, name);
+            CHECK(memcmp(&one, &same, sizeof one) == 0);
+            CHECK(one.velocity[2] != (end ? 0.1 + 0.01 * k : 0.0)); /* they have rubbed */
+            CHECK(end ? one.velocity[0] == 0.0 : one.velocity[0] > 0.0);
+        }
+    scree_scene_destroy(among);
+    scree_scene_destroy(alone);
+}
+
 /* Spheres that are put in another order before the first step, walls before them: where nothing touches, nothing
  * pushes, and they fall as one. */
 static void test_sorted_start(void) {
@@ -1024,6 +1063,7 @@ int main(void) {
     test_same_bits();
     test_driven_restored();
     test_alone();
+    test_held_among_balls();
     test_sorted_start();
     test_golden();
     return check_report();
