@@ -148,6 +148,7 @@ struct scree_sliding {
     struct vec velocity, stretch;
     double sliding;
     struct scree_roots roots;
+    int bare; /* a slider is known to have no dashpot */
 };
 
 /* Force on the ball in the middle of the step, and the memory at its end. */
@@ -199,6 +200,12 @@ struct scree_friction_law {
     double (*stiffness)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
     double (*damping)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 };
+
+/* A slider behind a bare spring? Whether there is a dashpot is a matter of the law, not of the pair or the overlap. */
+static inline int scree_is_bare(const struct scree_friction_law *friction, const struct scree_law_constants *law,
+                                struct scree_pair_constants pair) {
+    return friction->slider && friction->damping(law, pair, 1.0) == 0.0;
+}
 
 /* A rolling law resists the relative turning of two bodies: rolling, about axes across the normal, and twisting, about
  * the normal. It sees both as if they were sliding, at the lever R, the effective radius: velocities are R times the

@@ -115,10 +115,12 @@ static inline void put_slider(struct block *b, int k, struct scree_slider slider
 
 /* One pass per friction law; of those that say what their slider is, the first of several. */
 #define FRICTION_PASS(word)                                                                                            \
-    static inline void friction_at_##word(struct block *b, int k, const struct scree_law_constants *constants,         \
-                                          const double *const *pair, double *const *kept, double half) {               \
+    static SCREE_INLINE void friction_at_##word(struct block *b, int k, const struct scree_law_constants *constants,   \
+                                                const double *const *pair, double *const *kept, double half,           \
+                                                int bare) {                                                            \
         struct scree_pair_constants of_pair = friction_pair_at(pair, k);                                               \
         struct scree_sliding at = sliding_at(b, k, scree_friction_##word.memory, kept, half);                          \
+        at.bare = bare;                                                                                                \
         if (scree_friction_##word.rooted) at.roots = roots_at(b, k);                                                   \
         if (scree_friction_##word.grip)                                                                                \
             put_slider(b, k, scree_friction_##word.grip(constants, of_pair, at));                                      \
@@ -127,10 +129,16 @@ static inline void put_slider(struct block *b, int k, struct scree_slider slider
     }                                                                                                                  \
     static void friction_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                \
                                      const double *const *pair, double *const *kept, double step) {                    \
+        const struct scree_friction_law *own = &scree_friction_##word;                                                 \
         struct scree_law_constants constants = *law;                                                                   \
         double half = 0.5 * step;                                                                                      \
+        if (own->grip && scree_is_bare(own, law, friction_pair_at(pair, 0))) {                                         \
+            _Pragma("omp simd")                                                                                        \
+            for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half, 1);         \
+            return;                                                                                                    \
+        }                                                                                                              \
         _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half);                \
+        for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half, 0);             \
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
 
@@ -195,41 +203,49 @@ static void begin_turning(const struct block *b, int count, double step, const d
 
 /* One pass per rolling law: rolling, then twisting, at the lever of the pair. */
 #define ROLLING_PASS(word)                                                                                             \
+    static SCREE_INLINE void rolling_at_##word(struct block *b, int k, const struct scree_law_constants *constants,    \
+                                               double lever, double *const *own, double half, int bare) {              \
+        struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), velocity = turning_at(b, k, lever);                    \
+        double along = vec_dot(velocity, n);                                                                           \
+        struct scree_sliding rolling = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0,                               \
+                                        .overlap = b->overlap[k],                                                      \
+                                        .half = half,                                                                  \
+                                        .apart = 1.0 - b->share[k],                                                    \
+                                        .velocity = vec_axpy(velocity, -along, n),                                     \
+                                        .bare = bare};                                                                 \
+        struct scree_sliding twisting = rolling;                                                                       \
+        twisting.velocity = vec(along, 0.0, 0.0);                                                                      \
+        if (scree_rolling_##word.memory) {                                                                             \
+            rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);                       \
+            rolling.sliding = own[3][k];                                                                               \
+            twisting.stretch = vec(own[4][k], 0.0, 0.0);                                                               \
+            twisting.sliding = own[5][k];                                                                              \
+        }                                                                                                              \
+        struct scree_tangential r =                                                                                    \
+            rolling_##word##_resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], rolling);                      \
+        struct scree_tangential s =                                                                                    \
+            rolling_##word##_resist(constants, constants->c[SCREE_TWISTING_COEFFICIENT], twisting);                    \
+        put(b->torque, k, vec_scale(lever, vec_axpy(r.force, s.force.x, n)));                                          \
+        b->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * along);                                       \
+        if (scree_rolling_##word.memory) {                                                                             \
+            put_kept(own, k, kept_while(b->touching[k], r.stretch));                                                   \
+            own[3][k] = b->touching[k] * r.sliding;                                                                    \
+            own[4][k] = b->touching[k] * s.stretch.x + 0.0;                                                            \
+            own[5][k] = b->touching[k] * s.sliding;                                                                    \
+        }                                                                                                              \
+    }                                                                                                                  \
     static void rolling_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                 \
                                     const double *const *pair, double *const *kept, double step) {                     \
         struct scree_law_constants constants = *law;                                                                   \
         double *const *own = kept + SCREE_KEPT_ROLLING;                                                                \
-        _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) {                                                                      \
-            double lever = pair[SCREE_PAIR_LEVER][k];                                                                  \
-            struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), velocity = turning_at(b, k, lever);                \
-            double along = vec_dot(velocity, n);                                                                       \
-            struct scree_sliding rolling = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0,                           \
-                                            .overlap = b->overlap[k],                                                  \
-                                            .half = 0.5 * step,                                                        \
-                                            .apart = 1.0 - b->share[k],                                                \
-                                            .velocity = vec_axpy(velocity, -along, n)};                                \
-            struct scree_sliding twisting = rolling;                                                                   \
-            twisting.velocity = vec(along, 0.0, 0.0);                                                                  \
-            if (scree_rolling_##word.memory) {                                                                         \
-                rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);                   \
-                rolling.sliding = own[3][k];                                                                           \
-                twisting.stretch = vec(own[4][k], 0.0, 0.0);                                                           \
-                twisting.sliding = own[5][k];                                                                          \
-            }                                                                                                          \
-            struct scree_tangential r =                                                                                \
-                rolling_##word##_resist(&constants, constants.c[SCREE_ROLLING_COEFFICIENT], rolling);                  \
-            struct scree_tangential s =                                                                                \
-                rolling_##word##_resist(&constants, constants.c[SCREE_TWISTING_COEFFICIENT], twisting);                \
-            put(b->torque, k, vec_scale(lever, vec_axpy(r.force, s.force.x, n)));                                      \
-            b->power[k] = -(vec_dot(r.force, rolling.velocity) + s.force.x * along);                                   \
-            if (scree_rolling_##word.memory) {                                                                         \
-                put_kept(own, k, kept_while(b->touching[k], r.stretch));                                               \
-                own[3][k] = b->touching[k] * r.sliding;                                                                \
-                own[4][k] = b->touching[k] * s.stretch.x + 0.0;                                                        \
-                own[5][k] = b->touching[k] * s.sliding;                                                                \
-            }                                                                                                          \
+        const double *lever = pair[SCREE_PAIR_LEVER], half = 0.5 * step;                                               \
+        if (scree_rolling_##word.memory && scree_rolling_##word.damping(law) == 0.0) {                                 \
+            _Pragma("omp simd")                                                                                        \
+            for (int k = 0; k < padded(count); k++) rolling_at_##word(b, k, &constants, lever[k], own, half, 1);       \
+            return;                                                                                                    \
         }                                                                                                              \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) rolling_at_##word(b, k, &constants, lever[k], own, half, 0);           \
     }
 SCREE_ROLLING_LAWS(ROLLING_PASS)
 

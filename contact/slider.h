@@ -24,19 +24,22 @@
 
 #include "contact/law.h"
 
-/* Added to dashpots before they divide, and large enough for its square: changes none above 1e-124 N s/m. */
-#define SCREE_NO_DRAG 1e-140
+/* Added to dashpots before they divide, and large enough for its third power: changes none above 1e-74 N s/m. */
+#define SCREE_NO_DRAG 1e-90
 
-/* k > 0, c >= 0. */
+/* k > 0, c >= 0. A bare spring (first = stiff) divides nothing; a dashpot takes one quotient for two. */
 static SCREE_INLINE struct scree_slider scree_slider_of(struct scree_sliding at, double k, double c,
                                                         struct scree_hold hold) {
     double step = at.half + at.half, stiff = at.half * k + SCREE_NO_DRAG;
-    double first = c * (1.0 - at.apart) + stiff, part = stiff / first;
-    double inverse = first / (first * first + stiff * stiff); /* 1/(first + stiff part), without waiting for it */
-    double goes = step * (first * inverse), late = at.half * part, other = first + stiff * part;
     int slid = at.sliding > 0.0;
-    return (struct scree_slider){
-        k, slid ? other : first, (stiff + stiff) * inverse, slid ? step : goes, slid ? step + late : step, hold};
+    if (at.bare)
+        return (struct scree_slider){
+            k, slid ? stiff + stiff : stiff, 1.0, slid ? step : at.half, slid ? step + at.half : step, hold};
+    double first = c * (1.0 - at.apart) + stiff, square = first * first, both = square + stiff * stiff;
+    double inverse = 1.0 / (first * both), part = stiff * (both * inverse); /* stiff/first */
+    double goes = step * (square * (first * inverse)), gone = (stiff + stiff) * (square * inverse);
+    double late = at.half * part, other = first + stiff * part;
+    return (struct scree_slider){k, slid ? other : first, gone, slid ? step : goes, slid ? step + late : step, hold};
 }
 
 static SCREE_INLINE struct vec scree_slider_trial(double k, double drag, struct vec stretch, struct vec velocity) {

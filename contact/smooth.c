@@ -102,12 +102,11 @@ static const struct {
 } smooth_pairs[] = {SMOOTH_PAIRS(ENTRY)};
 #undef ENTRY
 
-/* A slider behind a bare spring? Whether these frictions have a dashpot is a matter of the law, not of the pair. */
 static int is_bare(const struct scree_rule *rule, const struct scree_batch *batch, int first) {
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     struct scree_pair_constants pair = {
         {scree_pair(batch, SCREE_PAIR_FRICTION, first), scree_pair(batch, SCREE_PAIR_FRICTION + 1, first), 0.0, 0.0}};
-    return friction->slider && friction->damping(&rule->friction_constants, pair, 1.0) == 0.0;
+    return scree_is_bare(friction, &rule->friction_constants, pair);
 }
 
 static const struct smooth_loops *smooth_loops_of(const struct scree_rule *rule, int bare) {

@@ -1,5 +1,7 @@
 /* contact/: friction and rolling laws against tables, closed forms and the second law; one at a time and in the
  * engine. */
+#include "contact/slider.h"
+
 #include "tests/scenes.h"
 
 static const struct scree_pair_constants no_pair = {{0.0}};
@@ -381,6 +383,27 @@ static struct vec drag_about(const struct friction *f, int turns, int steps) {
         impulse = vec_axpy(impulse, h, kept.force);
     }
     return impulse;
+}
+
+/* What a slider does in a step, as slider.h's header says it: D = G + p h k/2 with G = c + h k/2, p = (h k/2)/G. One
+ * quotient serves for several, and a bare spring takes none: a handful of roundings apart. */
+static void test_slider_of(void) {
+    static const double dampings[] = {0.0, 1e-60, 1e-3, 0.5, 3.0, 1e9};
+    const double roundings = 8 * 0x1p-53;
+    for (int k = 0; k < 6 * 2 * 3; k++) {
+        double c = dampings[k % 6], stiffness = 5e4 * (1 + k / 12), half = 1e-5 / (1 + k / 12), step = 2.0 * half;
+        struct scree_sliding at = {.half = half, .sliding = k / 6 % 2, .apart = k / 12 == 1 ? 0.3 : 0.0};
+        double stiff = half * stiffness, first = c * (1.0 - at.apart) + stiff, p = stiff / first, D = first + stiff * p;
+        for (at.bare = 0; at.bare <= (c == 0.0); at.bare++) {
+            struct scree_slider slider = scree_slider_of(at, stiffness, c, (struct scree_hold){0.4, 0.3});
+            int slid = at.sliding > 0.0;
+            NEAR(slider.drag / (slid ? D : first), 1.0, roundings);
+            NEAR(slider.gone / (step * stiffness / D), 1.0, roundings);
+            NEAR(slider.goes / (slid ? step : step * first / D), 1.0, roundings);
+            NEAR(slider.stays / (slid ? step + half * p : step), 1.0, roundings);
+            CHECK(slider.k == stiffness && slider.bears.holds == 0.4 && slider.bears.slides == 0.3);
+        }
+    }
 }
 
 /* Under Verlet's mid-step rule a slider errs by the second order of the step, whatever the dashpot: in what it does
@@ -1039,6 +1062,7 @@ int main(void) {
     test_presliding();
     test_drift();
     test_takes_energy();
+    test_slider_of();
     test_slider_order();
     test_mindlin_cycles();
     test_mindlin_memories();
