@@ -328,6 +328,7 @@ struct scree_flights {
 struct scree_contacts {
     const struct scree_loop *loop, *loop_for_few; /* for this processor; */
     int in_hand;                                  /* whether the loop keeps the sums of bodies at hand, there */
+    int cached;                                   /* bodies that stay in its third cache */
     int materials;
     int rules;
     struct scree_rule *rule;

@@ -55,9 +55,9 @@ struct stride {
 };
 
 /* Bodies lie in the order in which contacts come to them: they are asked for so many places ahead, partners that lie
- * farther by themselves, and what is kept of contacts some blocks ahead (as in loop.c). Fewer than MANY stay in the
- * caches. */
-enum { AHEAD = 96, BLOCKS_AHEAD = 3, MANY = 4096 };
+ * farther by themselves, and what is kept of contacts some blocks ahead (as in loop.c, but each of them needs four
+ * times as much). */
+enum { AHEAD = 96, BLOCKS_AHEAD = 3, SIZE = 4 };
 
 static SCREE_INLINE void call_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
     SCREE_CALL(bodies->record, k, k + 1);
@@ -80,10 +80,11 @@ static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, const st
     for (int k = from; k < to; k++) __builtin_prefetch(now->record[k].x, 0, 2);
 }
 
-static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const struct scree_bodies *now,
-                                    const struct scree_batch *batch, int next, int left, int *called) {
+static SCREE_INLINE void call_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                    const struct scree_bodies *now, const struct scree_batch *batch, int next, int left,
+                                    int *called) {
     const struct scree_ends *own = &batch->ends[next];
-    if (left <= 0 || bodies->count < MANY) return;
+    if (left <= 0 || bodies->count < contacts->cached / SIZE) return;
     int first = scree_first_of(own), to = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
     int from = *called > first ? *called : first, later = BLOCKS_AHEAD * SCREE_LANES;
     if (to > from) call_bodies(bodies, now, from, *called = to);
@@ -105,7 +106,7 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
     int hosts = batch->geometry == SCREE_BALL_BALL;
     for (int left = all, count; left > 0; left -= count, first += count) {
         count = left < SCREE_LANES ? left : SCREE_LANES;
-        call_ahead(bodies, stride->now, batch, first + count, left - count + trail->behind, &trail->called);
+        call_ahead(contacts, bodies, stride->now, batch, first + count, left - count + trail->behind, &trail->called);
         const struct scree_ends *own = &batch->ends[first];
         uint32_t odd = scree_impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
         clear_turns(batch, first, count, &yield);

@@ -124,9 +124,9 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 /* ---- memory ---- */
 
 /* Bodies lie in the order in which contacts come to them, so that a scene goes through the cache once a step: from
- * AHEAD bodies before they are needed. Partners that lie farther (of the next slab) are asked for by themselves. Fewer
- * than MANY bodies stay in the caches; twice as many do so only where nobody else needs the third one. */
-enum { AHEAD = 192, BLOCKS_AHEAD = 3, MANY = 16384 };
+ * AHEAD bodies before they are needed. Partners that lie farther (of the next slab) are asked for by themselves. What
+ * stays in the third cache isn't asked for. */
+enum { AHEAD = 192, BLOCKS_AHEAD = 3 };
 
 static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, int from, int to) {
     SCREE_CALL(bodies->record, from, to);
@@ -147,10 +147,11 @@ static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struc
 
 /* A quarter of it is asked for after each pass: at once it would wait in a queue, and the passes behind it. `called`:
  * bodies before this place have been. */
-static SCREE_INLINE void call_ahead(const struct scree_bodies *bodies, const struct work *w,
-                                    const struct scree_ends *own, int left, int quarter, int *called) {
+static SCREE_INLINE void call_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                    const struct work *w, const struct scree_ends *own, int left, int quarter,
+                                    int *called) {
     enum { QUARTER = SCREE_LANES / 4 };
-    if (bodies->count < MANY) return;
+    if (bodies->count < contacts->cached) return;
     int first = scree_first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
     int from = *called > first ? *called : first, to = from + (goal - from + 3 - quarter) / (4 - quarter);
     int later = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER;
@@ -259,14 +260,14 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         w.wants.most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
         if (left) find_ends(bodies, own + here, left, &ends[!turn]);
         begin_at(&w, first + done);
-        call_ahead(bodies, &w, own, to_come, 0, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 0, &trail->called);
         name_contacts(batch, first + done, here, contact);
         int events = gather(bodies, contact, &ends[turn], here, batch->geometry, w.wants, &b);
-        call_ahead(bodies, &w, own, to_come, 1, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 1, &trail->called);
         press(&w, first + done, here, events, &b);
-        call_ahead(bodies, &w, own, to_come, 2, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 2, &trail->called);
         push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, contacts->in_hand, step);
-        call_ahead(bodies, &w, own, to_come, 3, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 3, &trail->called);
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) note_losses(&b, here, w.rule, step, tally);

@@ -54,6 +54,12 @@ const struct scree_loop *scree_choose_loop_for_few(void);
  * and costs up to as much on Zen 4, which takes vectors of eight in two halves, and on Intel's. */
 int scree_sums_in_hand(void);
 
+/* How many bodies surely stay in the third cache from step to step, at 2 kB each: four times what one needs by Verlet,
+ * since others use the cache, too. So many aren't asked for ahead, which takes places from what the processor asks for
+ * by itself: without it 31,200 spheres in flow take 9 % less, 100,000 at rest 2 to 6 %, pair impulses of 10,000 6 to
+ * 9 %, on an Intel Xeon whose third cache has 300 MB. */
+int scree_bodies_in_cache(void);
+
 #ifdef SCREE_LOOP /* the loop that is being compiled: its parts in other files */
 #define SCREE_PART_OF(loop, part)   loop##_##part
 #define SCREE_NAME_PART(loop, part) SCREE_PART_OF(loop, part)
