@@ -1,4 +1,4 @@
-/* Which of the loops runs. */
+/* Which of the loops runs on this processor, and how. */
 #include "contact/loop.h"
 
 #include <math.h>
