@@ -996,7 +996,7 @@ static void test_held_among_balls(void) {
     go(alone, 100);
     for (int k = 2; k < 12; k += 4)
         for (int end = 0; end < 2; end++) {
-            char name[8];
+            char name[16];
             snprintf(name, sizeof name, "%c%d", end ? 'b' : 'a', k);
             scree_body_state one = state_of(among, name), same = state_of(alone, name);
             CHECK(memcmp(&one, &same, sizeof one) == 0);
