@@ -13,7 +13,15 @@ static SCREE_INLINE void scree_call(const void *array, size_t from, size_t to) {
         __builtin_prefetch(line, 0, 2);
 }
 
-/* The same, counted in its elements. */
+/* The same of what will be written: other processors give their copies away at once. */
+static SCREE_INLINE void scree_claim(void *array, size_t from, size_t to) {
+    for (char *line = (char *)array + from, *end = (char *)array + to; line < end; line += 64)
+        __builtin_prefetch(line, 1, 2);
+}
+
+/* Both, counted in an array's elements. */
 #define SCREE_CALL(array, from, to) scree_call(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
+#define SCREE_CLAIM(array, from, to)                                                                                   \
+    scree_claim(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
 
 #endif

@@ -587,9 +587,9 @@ static inline void scree_note(double value, const struct scree_bodies *bodies, i
 enum { SCREE_STRETCH = 3 };
 
 /* From one piece of a slab's contacts of two balls to the next: bodies before place `called` have been called from
- * memory; so many contacts come behind the piece. */
+ * memory; so many contacts come behind the piece; the next slab is another thread's. */
 struct scree_trail {
-    int called, behind;
+    int called, behind, at_border;
 };
 
 /* The first place that a contact has to do with. */

@@ -125,13 +125,14 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 
 /* Bodies lie in the order in which contacts come to them, so that a scene goes through the cache once a step: from
  * AHEAD bodies before they are needed. Partners that lie farther (of the next slab) are asked for by themselves. What
- * stays in the third cache isn't asked for. */
+ * stays in the third cache isn't asked for, unless another thread has written it: to write what others have copies of
+ * takes longer than to read it. */
 enum { AHEAD = 192, BLOCKS_AHEAD = 3 };
 
 static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, int from, int to) {
-    SCREE_CALL(bodies->record, from, to);
-    SCREE_CALL(bodies->spin, from, to);
-    SCREE_CALL(bodies->state, from, to);
+    SCREE_CLAIM(bodies->record, from, to);
+    SCREE_CLAIM(bodies->spin, from, to);
+    SCREE_CLAIM(bodies->state, from, to);
 }
 
 /* Those of a block that lie beyond a place. */
@@ -140,8 +141,8 @@ static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struc
     for (int k = 0; k < SCREE_LANES; k++) far |= (uint32_t)((own[k].host > beyond) | (own[k].ball > beyond)) << k;
     for (; far; far &= far - 1) {
         int k = __builtin_ctz(far), later = own[k].host > own[k].ball ? own[k].host : own[k].ball;
-        SCREE_CALL(bodies->record, later, later + 1);
-        SCREE_CALL(bodies->spin, later, later + 1);
+        SCREE_CLAIM(bodies->record, later, later + 1);
+        SCREE_CLAIM(bodies->spin, later, later + 1);
     }
 }
 
@@ -149,13 +150,13 @@ static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struc
  * bodies before this place have been. */
 static SCREE_INLINE void call_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                     const struct work *w, const struct scree_ends *own, int left, int quarter,
-                                    int *called) {
+                                    struct scree_trail *trail) {
     enum { QUARTER = SCREE_LANES / 4 };
-    if (bodies->count < contacts->cached) return;
+    if (bodies->count < contacts->cached && !trail->at_border) return;
     int first = scree_first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
-    int from = *called > first ? *called : first, to = from + (goal - from + 3 - quarter) / (4 - quarter);
+    int from = trail->called > first ? trail->called : first, to = from + (goal - from + 3 - quarter) / (4 - quarter);
     int later = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER;
-    if (to > from) call_bodies(bodies, from, *called = to);
+    if (to > from) call_bodies(bodies, from, trail->called = to);
     if (quarter == 0 && left > BLOCKS_AHEAD * SCREE_LANES)
         call_far(bodies, own + (BLOCKS_AHEAD - 1) * SCREE_LANES, first + AHEAD);
     SCREE_CALL(own, later, later + QUARTER);
@@ -260,14 +261,14 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         w.wants.most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
         if (left) find_ends(bodies, own + here, left, &ends[!turn]);
         begin_at(&w, first + done);
-        call_ahead(contacts, bodies, &w, own, to_come, 0, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 0, trail);
         name_contacts(batch, first + done, here, contact);
         int events = gather(bodies, contact, &ends[turn], here, batch->geometry, w.wants, &b);
-        call_ahead(contacts, bodies, &w, own, to_come, 1, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 1, trail);
         press(&w, first + done, here, events, &b);
-        call_ahead(contacts, bodies, &w, own, to_come, 2, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 2, trail);
         push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, contacts->in_hand, step);
-        call_ahead(contacts, bodies, &w, own, to_come, 3, &trail->called);
+        call_ahead(contacts, bodies, &w, own, to_come, 3, trail);
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) note_losses(&b, here, w.rule, step, tally);

@@ -207,7 +207,7 @@ void scree_rest_act(const struct scree_contacts *contacts, struct scree_bodies *
         const int *index = batch->stirring + done;
         int count = segment->stirring_end - done < SCREE_LANES ? segment->stirring_end - done : SCREE_LANES;
         gather(batch, index, count, &g);
-        contacts->loop->act_straight(contacts, bodies, &g.batch, 0, count, step, tally, &(struct scree_trail){0, 0});
+        contacts->loop->act_straight(contacts, bodies, &g.batch, 0, count, step, tally, &(struct scree_trail){0});
         put_back(&g, index, count, batch);
     }
 }

@@ -140,7 +140,7 @@ static void act_batches(const struct slabs *all, int slab, int of_balls, struct 
             scree_rest_act(all->contacts, all->bodies, batch, segment, all->step, tally);
         else
             all->work(all->argument, all->contacts, all->bodies, batch, segment->first, segment->count, all->step,
-                      tally, &(struct scree_trail){0, 0});
+                      tally, &(struct scree_trail){0});
     }
 }
 
@@ -155,12 +155,13 @@ static void move_up(const struct slabs *all, int from, int to, const unsigned ch
  * slab has passed them by. */
 static int end_of_lent(struct scree_gate gate, int left) { return left <= gate.next ? left : gate.next + 1; }
 
-static void act_strips(struct slabs *all, int slab, const unsigned char *lent, struct scree_tally *tally) {
+static void act_strips(struct slabs *all, int slab, int at_border, const unsigned char *lent,
+                       struct scree_tally *tally) {
     const int *start = &all->bodies->order.start[slab];
     const struct scree_batch *batch = balls_of(all, slab);
     const struct scree_part none = {0}, *segment = batch ? &batch->segment[1 + slab] : &none;
     const struct scree_gate *gate = all->contacts->gate[slab];
-    struct scree_trail trail = {0, 0};
+    struct scree_trail trail = {.at_border = at_border};
     int from = segment->first, returned = start[1];
     if (!all->contacts->gated[slab]) find_gates(all, slab);
     for (int place = start[0], to; place < start[1]; place = to, gate++) {
@@ -186,7 +187,8 @@ static void act_whole(const struct slabs *all, int slab, const unsigned char *le
     if (ends_stretch(all, slab)) move_up(all, start[1], start[2], all->contacts->lent, 1, tally);
 }
 
-static void act_slab(struct slabs *all, int slab) {
+/* `at_border`: as in scree_trail. */
+static void act_slab(struct slabs *all, int slab, int at_border) {
     struct scree_contacts *contacts = all->contacts;
     struct scree_tally *tally = &contacts->tally[1 + slab];
     const unsigned char *lent = slab > 0 && begins_stretch(slab) ? contacts->lent : NULL;
@@ -196,7 +198,7 @@ static void act_slab(struct slabs *all, int slab) {
     if (goes_whole(all))
         act_whole(all, slab, lent, tally);
     else
-        act_strips(all, slab, lent, tally);
+        act_strips(all, slab, at_border, lent, tally);
     tell(all, slab, INT_MAX, INT_MAX);
     atomic_store(&all->state[slab], DONE);
 }
@@ -281,13 +283,18 @@ static int take_slab(struct slabs *all, struct share own, int *left) {
     return slab;
 }
 
+/* Whether the next slab was another thread's, and it is through with it by now: not where shares are short. */
+static int is_at_border(const struct slabs *all, int slab, struct share own) {
+    return slab + 1 == own.to && own.to < all->slabs && own.to - own.from > SCREE_STRETCH;
+}
+
 /* What one thread does: its own slabs, which it had the step before, so that bodies stay with it; then what is left of
  * others'. So nobody waits for a slow neighbour. */
 static void share_slabs(struct slabs *all, struct share own) {
     for (int left = 1; left;) {
         int slab = take_slab(all, own, &left);
         if (slab >= 0)
-            act_slab(all, slab);
+            act_slab(all, slab, is_at_border(all, slab, own));
         else if (left)
             sched_yield();
     }
