@@ -468,6 +468,18 @@ static inline void meet_others(const struct scree_bodies *bodies, const struct s
     }
 }
 
+/* The same of spheres on planes: what is left to go one after the other is where planes face. */
+static inline void meet_planes(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
+                               struct block *b) {
+    for (int lane = 0; lane < padded(count); lane++)
+        put(b->n, lane, scree_attitude_of(bodies, contact[lane < count ? lane : count - 1].host)->frame.column[2]);
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) {
+        put(b->corner, k, vec(0.0, 0.0, 0.0));
+        b->overlap[k] = b->radius[k] - vec_dot(get(b->n, k), get(b->shift, k));
+    }
+}
+
 static inline void move_all(int count, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
@@ -507,9 +519,10 @@ static inline void share_out(int count, double step, struct block *b) {
 }
 
 /* `contact`: as name_contacts gives them. How two balls slide isn't found yet. Returns the events. */
-static inline int gather(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                         const struct ends *ends, int count, enum scree_geometry geometry, struct wants wants,
+static inline int gather(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                         const struct scree_contact *contact, const struct ends *ends, int count, struct wants wants,
                          struct block *b) {
+    enum scree_geometry geometry = batch->geometry;
     int balls = geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE;
     fetch(ends, count, balls, wants.sizes.even, b);
     switch (geometry) { /* constant arguments: each case becomes a loop of its own */
@@ -519,7 +532,10 @@ static inline int gather(const struct scree_bodies *bodies, const struct scree_c
     case SCREE_BALL_BALL:
         return meet_balls(b, count, wants);
     case SCREE_BALL_PLANE:
-        meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
+        if (!batch->corner)
+            meet_planes(bodies, contact, count, b);
+        else
+            meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
         break;
     case SCREE_BALL_RECTANGLE:
         meet_others(bodies, contact, count, SCREE_BALL_RECTANGLE, b);

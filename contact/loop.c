@@ -81,7 +81,7 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
     begin_at(&w, first);
     name_contacts(batch, first, count, contact);
     find_ends(bodies, batch->ends + first, count, &ends);
-    int events = gather(bodies, contact, &ends, count, batch->geometry, w.wants, &b);
+    int events = gather(bodies, batch, contact, &ends, count, w.wants, &b);
     int deep = batch->geometry == SCREE_BALL_BOX && deepen_corners(bodies, contact, count, &b, &lean);
     if (deep) events = see(&b, count, w.wants);
     press(&w, first, count, events, &b);
@@ -263,7 +263,7 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         begin_at(&w, first + done);
         call_ahead(contacts, bodies, &w, own, to_come, 0, trail);
         name_contacts(batch, first + done, here, contact);
-        int events = gather(bodies, contact, &ends[turn], here, batch->geometry, w.wants, &b);
+        int events = gather(bodies, batch, contact, &ends[turn], here, w.wants, &b);
         call_ahead(contacts, bodies, &w, own, to_come, 1, trail);
         press(&w, first + done, here, events, &b);
         call_ahead(contacts, bodies, &w, own, to_come, 2, trail);
