@@ -468,9 +468,13 @@ static inline void meet_others(const struct scree_bodies *bodies, const struct s
     }
 }
 
-/* The same of spheres on planes: what is left to go one after the other is where planes face. */
-static inline void meet_planes(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                               struct block *b) {
+/* Planes: where all is spheres, only where planes face is found one after the other. */
+static inline void meet_planes(const struct scree_bodies *bodies, const struct scree_batch *batch,
+                               const struct scree_contact *contact, int count, struct block *b) {
+    if (batch->corner) {
+        meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
+        return;
+    }
     for (int lane = 0; lane < padded(count); lane++)
         put(b->n, lane, scree_attitude_of(bodies, contact[lane < count ? lane : count - 1].host)->frame.column[2]);
     _Pragma("omp simd")
@@ -532,10 +536,7 @@ static inline int gather(const struct scree_bodies *bodies, const struct scree_b
     case SCREE_BALL_BALL:
         return meet_balls(b, count, wants);
     case SCREE_BALL_PLANE:
-        if (!batch->corner)
-            meet_planes(bodies, contact, count, b);
-        else
-            meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
+        meet_planes(bodies, batch, contact, count, b);
         break;
     case SCREE_BALL_RECTANGLE:
         meet_others(bodies, contact, count, SCREE_BALL_RECTANGLE, b);

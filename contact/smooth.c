@@ -171,7 +171,7 @@ static void gather_smooth(const struct scree_bodies *now, const struct scree_bat
     find_ends(now, pair, count, &ends);
     fetch_motions(&ends, count, batch->geometry != SCREE_BALL_PLANE, even, &s->b);
     if (batch->geometry == SCREE_BALL_IMAGE) bring_images(now, contact, count, &s->b);
-    if (batch->geometry == SCREE_BALL_PLANE) meet_others(now, contact, count, SCREE_BALL_PLANE, &s->b);
+    if (batch->geometry == SCREE_BALL_PLANE) meet_planes(now, batch, contact, count, &s->b);
     fetch_pushes(now->push, pair, count, turns, even, &s->at);
     fetch_kept(batch, first, index, count, turns, &s->at, &s->x.c, &s->x.m);
 }
