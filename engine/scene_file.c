@@ -520,6 +520,16 @@ static struct blame stiffest_contact(const scree_scene *scene) {
     return blame;
 }
 
+/* Their numbers have six digits. */
+static const double most_frames = 999999.0;
+
+static void check_frames(struct scree_reader *r, const struct scree_toml *every) {
+    double frames = into(r)->end / into(r)->every;
+    if (into(r)->request->write & SCREE_WRITE_VTK && into(r)->every > 0.0 && frames > most_frames)
+        scree_complain(r, every, "frames for ParaView every %g s would be %.3g files; the most is %.0f", into(r)->every,
+                       frames, most_frames);
+}
+
 static void check_length(struct scree_reader *r) {
     double step = scree_scene_step_length(into(r)->scene);
     const struct scree_toml *every = scree_toml_get(scree_toml_get(r->root, "output"), "every");
@@ -530,6 +540,7 @@ static void check_length(struct scree_reader *r) {
     /* 1e-9: the quotient of two numbers given in decimals. */
     if (into(r)->every > 0.0 && into(r)->every < step * (1.0 - 1e-9))
         scree_complain(r, every, "rows every %g s are closer than the step of %g s", into(r)->every, step);
+    check_frames(r, every);
 }
 
 static scree_status define(struct scree_reader *r, struct scree_toml_document *document, const char *text, size_t size,
