@@ -13,7 +13,8 @@ static SCREE_INLINE void scree_call(const void *array, size_t from, size_t to) {
         __builtin_prefetch(line, 0, 2);
 }
 
-/* The same of what will be written: other processors give their copies away at once. */
+/* The same of what will be written: other processors give their copies away at once. (PREFETCHW, where a loop is
+ * compiled for it; processors that lack it do nothing.) */
 static SCREE_INLINE void scree_claim(void *array, size_t from, size_t to) {
     for (char *line = (char *)array + from, *end = (char *)array + to; line < end; line += 64)
         __builtin_prefetch(line, 1, 2);

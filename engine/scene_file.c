@@ -526,7 +526,7 @@ static const double most_frames = 999999.0;
 static void check_frames(struct scree_reader *r, const struct scree_toml *every) {
     double frames = into(r)->end / into(r)->every;
     if (into(r)->request->write & SCREE_WRITE_VTK && into(r)->every > 0.0 && frames > most_frames)
-        scree_complain(r, every, "frames for ParaView every %g s would be %.3g files; the most is %.0f", into(r)->every,
+        scree_complain(r, every, "frames for ParaView every %g s would be %.3g; the most is %.0f", into(r)->every,
                        frames, most_frames);
 }
 

@@ -403,7 +403,7 @@ expect 'rows of the second half' test "$(rows_of rows2)" = '0.01 0.012 0.015 0.0
 bounce --quiet --set time.step=1e-4 --set time.end=0.002 --set output.every=1e18 -o rows3
 expect 'rows farther apart than the run is long' test "$(rows_of rows3)" = '0 0.002 '
 check 'rows closer than the step' 2 'closer than the step' bounce --set time.step=1e-4 --set output.every=1e-300
-check 'more frames than numbers' 2 'would be 1e+07 files; the most is 999999' "$scree" check "$scenes/bounce.toml" --set output.every=1e-7
+check 'more frames than numbers' 2 'would be 1e+07; the most is 999999' "$scree" check "$scenes/bounce.toml" --set output.every=1e-7
 check 'a run for ever' 2 'the most is 1e+15' bounce --set time.end=1e300
 check 'check of a run for ever' 2 'the most is 1e+15' "$scree" check "$scenes/bounce.toml" --set time.end=1e300
 check 'rows for ever' 2 'the most is 1e+15' "$scree" check "$scenes/bounce.toml" --set output.every=1e-300

@@ -772,6 +772,39 @@ static void test_tiny_in_huge(void) {
     scree_scene_destroy(scene);
 }
 
+/* Spheres on a plane are met several at once, but one after the other where boxes' corners are met with them: no bit of
+ * theirs tells which. */
+static void check_beside_box(const char *integrator) {
+    static const char spheres[] = HEAD
+        "[[body]]\nname = \"slope\"\nshape = { plane = true }\nmaterial = \"glass\"\njoint = \"fixed\"\n"
+        "position = [0.1, 0.2, 0.3]\norientation = { axis = [1, 2, 0], degrees = 7 }\n"
+        "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nmaterial = \"glass\"\nradius = [0.0005, 0.001]\n"
+        "min = [0, 0, 0.302]\nmax = [0.02, 0.02, 0.307]\nspacing = 0.0024\nseed = 1\nvelocity = [0.1, 0.2, -0.3]\n";
+    static const char box[] =
+        "[[body]]\nname = \"box\"\nshape = { box = [0.01, 0.01, 0.01] }\nmaterial = \"glass\"\n"
+        "position = [0.2, 0.2, 0.297]\nvelocity = [0, 0, -0.5]\norientation = { axis = [1, 2, 0], degrees = 7 }\n";
+    const char *const changes[] = {integrator, "time.step=3e-6"};
+    char both[4096];
+    snprintf(both, sizeof both, "%s%s", spheres, box);
+    scree_scene *alone = scene_from(spheres, changes, 2, 1), *beside = scene_from(both, changes, 2, 1);
+    go(alone, 6000);
+    go(beside, 6000);
+    int first = scree_scene_find_body(alone, "grain 1"), other = scree_scene_find_body(beside, "grain 1"), slid = 0;
+    CHECK(scree_scene_bodies(alone) - first > 100);
+    for (int k = 0; first + k < scree_scene_bodies(alone); k++) {
+        scree_body_state one = scree_scene_body(alone, first + k), same = scree_scene_body(beside, other + k);
+        CHECK(memcmp(&one, &same, sizeof one) == 0);
+        slid += one.spin[0] != 0.0;
+    }
+    int cornered = 0;
+    for (int b = 0; b < beside->contacts.batches; b++)
+        cornered |= beside->contacts.batch[b].geometry == SCREE_BALL_PLANE && beside->contacts.batch[b].corner;
+    for (int b = 0; b < alone->contacts.batches; b++) CHECK(!alone->contacts.batch[b].corner);
+    CHECK(cornered && slid > 50);
+    scree_scene_destroy(alone);
+    scree_scene_destroy(beside);
+}
+
 int main(void) {
     snprintf(table_path, sizeof table_path, "/tmp/scree_spheres_%ld.csv", (long)getpid());
     snprintf(scene_path, sizeof scene_path, "/tmp/scree_spheres_%ld.toml", (long)getpid());
@@ -794,6 +827,8 @@ int main(void) {
     test_periodic_drive();
     test_bad_domains();
     test_tiny_in_huge();
+    check_beside_box("time.integrator=\"verlet\"");
+    check_beside_box("time.integrator=\"pair-impulse\"");
     remove(table_path);
     remove(scene_path);
     return check_report();
