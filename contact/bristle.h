@@ -1,14 +1,16 @@
 /* A bristle: the deflection z of the asperities of a contact, which lags behind the sliding.
- *   z' = v - a z,   a = |v| s_0/g:   it grows with the slip and saturates at g/s_0 in the direction of sliding
- * F = s_0 z (+ s_1 z') on the body, against it. For a constant velocity over the step the path of z is an exponential;
- * it is followed exactly, so that in one direction z depends on the way alone, not on the step.
+ *   z' = v - a z,  a = |v| s_0/g:  it grows with the slip and saturates at g/s_0 in the direction of sliding
+ *   F = s_0 z (+ s_1 z') on the body, against it
+ * For a constant velocity over the step the path of z is an exponential; it is followed exactly, so that in one
+ * direction z depends on the way alone, not on the step.
  *
  * The step takes energy, whatever it starts from. With x = a h, the end of the path at -b, b = z s_0/g - v/|v| at the
- * start, the work h s_0 z_middle v less the growth of s_0 z^2/2 is g^2/s_0 times x (1 + beta e^(-x/2)) + beta (1 -
- * e^-x) + b^2 (1 - e^-2x)/2,  beta = b v/|v| >= -|b|, at least the integral of |z s_0/g|^2 for beta < 0 and at least x
- * (1 + beta e^(-x/2))^2 for beta > 0. The dashpot s_1 z' takes energy while z' has the direction of v (beta < 0), and
- * else at most 4 x beta e^(-x/2) g^2/s_0 is lost to it if s_1 |v| <= 4 g, which that square covers. Hence
- * `scree_bristle_dashpot` (the continuous bound: Barabanov & Ortega, IEEE Trans. Autom. Control 45 (2000) 675). */
+ * start, the work h s_0 z_middle v less the growth of s_0 z^2/2 is g^2/s_0 times
+ *   x (1 + beta e^(-x/2)) + beta (1 - e^-x) + b^2 (1 - e^-2x)/2,  beta = b v/|v| >= -|b|,
+ * at least the integral of |z s_0/g|^2 for beta < 0 and at least x (1 + beta e^(-x/2))^2 for beta > 0. The dashpot s_1
+ * z' takes energy while z' has the direction of v (beta < 0), and else at most 4 x beta e^(-x/2) g^2/s_0 is lost to it
+ * if s_1 |v| <= 4 g, which that square covers. Hence `scree_bristle_dashpot` (the continuous bound: Barabanov & Ortega,
+ * IEEE Trans. Autom. Control 45 (2000) 675). */
 #ifndef SCREE_CONTACT_BRISTLE_H
 #define SCREE_CONTACT_BRISTLE_H
 

@@ -3,15 +3,19 @@
  *
  * Normal and lever arms stay as they are at the first touch (exact in the limit of small overlaps), so that impulse J
  * and relative velocity u of the contact points are tied by one constant matrix, u = u0 + W J, and all that is
- * integrated is d(overlap)/dt = -u.n,  dJ/dt = F(overlap, u, memory),  the memory of friction, and the work done. Laws
- * are used through their descriptions only. Their forces are those of an instant (half = 0); the rate of friction's
- * memory is the difference of what the law's own stepping rule makes of a tiny step and of a tiny step back. A slider
- * that caps a spring has a memory that follows the cap without a rate of its own: there the spring is stretched as if
- * it stuck, the law cuts it, and each step ends by keeping what the law has left. Dormand & Prince's pair of orders 5
- * and 4 (J. Comput. Appl. Math. 6 (1980) 19) chooses its steps by its error, which also carries it through the roots
- * d^(1/4), d^(1/2) at first touch; steps end where the bodies turn round, stick, slip or part, so that nothing within a
- * step has a kink. An extrapolation of the loop's stepping rule would have needed no rates, but that rule takes a step
- * to notice a slider's turns, which leaves no power series in the step to extrapolate. */
+ * integrated is
+ *   d(overlap)/dt = -u.n,  dJ/dt = F(overlap, u, memory),
+ * the memory of friction, and the work done. Laws are used through their descriptions only. Their forces are those of
+ * an instant (half = 0); the rate of friction's memory is the difference of what the law's own stepping rule makes of a
+ * tiny step and of a tiny step back. A slider that caps a spring has a memory that follows the cap without a rate of
+ * its own: there the spring is stretched as if it stuck, the law cuts it, and each step ends by keeping what the law
+ * has left.
+ *
+ * Dormand & Prince's pair of orders 5 and 4 (J. Comput. Appl. Math. 6 (1980) 19) chooses its steps by its error, which
+ * also carries it through the roots d^(1/4), d^(1/2) at first touch; steps end where the bodies turn round, stick, slip
+ * or part, so that nothing within a step has a kink. An extrapolation of the loop's stepping rule would have needed no
+ * rates, but that rule takes a step to notice a slider's turns, which leaves no power series in the step to
+ * extrapolate. */
 #ifndef SCREE_CONTACT_ENCOUNTER_H
 #define SCREE_CONTACT_ENCOUNTER_H
 

@@ -1,10 +1,10 @@
 /* Coulomb's law with a state that truly sticks: a tangential spring and dashpot, and a slider that holds up to mu_s and
  * slides at mu_k.
- *   F = -(k_t s + c_t v) while |F| <= mu_s N, then |F| = mu_k N against the slip, and spring and dashpot, side by side
- *   behind the slider, carry that force: k_t s + c_t s' = -F. Cundall & Strack, Geotechnique 29 (1979) 47, for
- *   mu_s = mu_k and c_t = 0, where the spring takes the stretch of the force at once.
- * So slider and dashpot can only take energy out. The contact holds again when the trial force falls below mu_k N,
- * which happens as soon as the slip turns round. */
+ *   F = -(k_t s + c_t v) while |F| <= mu_s N, then |F| = mu_k N against the slip
+ * While it slides, spring and dashpot, side by side behind the slider, carry that force: k_t s + c_t s' = -F. For mu_s
+ * = mu_k and c_t = 0: Cundall & Strack, Geotechnique 29 (1979) 47, where the spring takes the stretch of the force at
+ * once. So slider and dashpot can only take energy out. The contact holds again when the trial force falls below mu_k
+ * N, which happens as soon as the slip turns round. */
 #ifndef SCREE_CONTACT_FRICTION_COULOMB_H
 #define SCREE_CONTACT_FRICTION_COULOMB_H
 

@@ -1,9 +1,10 @@
 /* Mindlin's no-slip contact that never gives back more than it took: memory in the force while the load grows, in the
- * stretch while it falls. dF = -k_t(d) dx while d grows; F falls with k_t while d falls; k_t = 8 G* sqrt(R d)
- * (contact/mindlin.h) As Walton & Braun, J. Rheol. 30 (1986) 949, and Thornton, Cummins & Cleary, Powder Technol. 233
- * (2013) 30, rescale the force when the contact unloads. What is kept is the force of the spring, in N. Growing load
- * keeps F and lowers the energy F^2/(2 k_t), falling load keeps F/k_t and lowers k_t, so that what the change of
- * stiffness does is only ever a loss. */
+ * stretch while it falls.
+ *   dF = -k_t(d) dx while d grows;  F falls with k_t while d falls;  k_t = 8 G* sqrt(R d) (contact/mindlin.h)
+ * As Walton & Braun, J. Rheol. 30 (1986) 949, and Thornton, Cummins & Cleary, Powder Technol. 233 (2013) 30, rescale
+ * the force when the contact unloads. What is kept is the force of the spring, in N. Growing load keeps F and lowers
+ * the energy F^2/(2 k_t), falling load keeps F/k_t and lowers k_t, so that what the change of stiffness does is only
+ * ever a loss. */
 #ifndef SCREE_CONTACT_FRICTION_MINDLIN_RESCALED_H
 #define SCREE_CONTACT_FRICTION_MINDLIN_RESCALED_H
 

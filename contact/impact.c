@@ -1,11 +1,13 @@
 /* Two bodies meet head-on, integrated to rounding.
  *
  * Laws begin and end with roots of the overlap (d^(1/4), d^(1/2), d^(3/2)), where no one-step method keeps its order.
- * With q = (d + reach)^(1/4),  dt = 4 q^3 ds:  dq/ds = u,  du/ds = 4 q^3 (P - F)/m the right-hand side is smooth there
- * (the pull-off of adhesive laws is a root of d + reach too), and the end at q = 0 is crossed at full speed. Steps are
- * Gragg's midpoint rule extrapolated to order 12 (Bulirsch & Stoer, Numer. Math. 8 (1966) 1; Hairer, Norsett & Wanner,
- * Solving Ordinary Differential Equations I, II.9), as short as their error estimate demands: where a law has a kink,
- * the steps close in on it. The turning point and the end are located inside the step. */
+ * With
+ *   q = (d + reach)^(1/4),  dt = 4 q^3 ds:  dq/ds = u,  du/ds = 4 q^3 (P - F)/m
+ * the right-hand side is smooth there (the pull-off of adhesive laws is a root of d + reach too), and the end at q = 0
+ * is crossed at full speed. Steps are Gragg's midpoint rule extrapolated to order 12 (Bulirsch & Stoer, Numer. Math. 8
+ * (1966) 1; Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.9), as short as their error
+ * estimate demands: where a law has a kink, the steps close in on it. The turning point and the end are located inside
+ * the step. */
 #include "contact/impact.h"
 
 #include <stddef.h>

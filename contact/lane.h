@@ -1,8 +1,8 @@
 /* One lane of smooth.c: a contact of two spheres, or of one and a plane, as numbers instead of vectors and matrices,
- * and one step of Runge and Kutta of it, with what tells events in that step. Of two spheres
- *
- *   W F = (1/m_a + 1/m_b) F + (l_a^2/I_a + l_b^2/I_b) F_t,    l: from the centre to the contact, F_t: F in the tangent
- * plane.
+ * and one step of Runge and Kutta of it, with what tells events in that step. W, the acceleration of the ball against
+ * its host per unit of force on the ball (impulse.c), is of two spheres
+ *   W F = (1/m_a + 1/m_b) F + (l_a^2/I_a + l_b^2/I_b) F_t
+ * with l from the centre to the contact and F_t the part of F in the tangent plane.
  *
  * Everything is a function of one lane, so that no bit depends on its neighbours. */
 #ifndef SCREE_CONTACT_LANE_H

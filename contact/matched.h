@@ -1,7 +1,7 @@
 /* A power-law spring with the dashpot that matches it, so that the restitution is the same at every speed.
  *   F = k d^p + alpha sqrt(m k) d^((p-1)/2) u
  * With x = d^((p+1)/2) it becomes a linear spring and dashpot of zeta = alpha/sqrt(2 (p + 1)), met and left at the same
- * speeds, with F = 0 where x" = 0 (as for p = 3/2: contact/tsuji.h). */
+ * speeds, with F = 0 where x'' = 0 (as for p = 3/2: contact/tsuji.h). */
 #ifndef SCREE_CONTACT_MATCHED_H
 #define SCREE_CONTACT_MATCHED_H
 

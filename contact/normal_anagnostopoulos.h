@@ -1,7 +1,10 @@
 /* Linear spring and dashpot of pounding structures: the damping ratio of the law that may pull, and a force that
- * doesn't. F = max(0, k d + c u),  zeta = c/(2 sqrt(k m)) = -ln e/sqrt(pi^2 + ln^2 e) Anagnostopoulos, Earthquake Eng.
- * Struct. Dyn. 16 (1988) 443 and 33 (2004) 897. The contact ends where the force vanishes; what it delivers is e' =
- * exp(-2 zeta arccos(zeta)/sqrt(1 - zeta^2)) (Schwager & Poeschel, Granular Matter 9 (2007) 465). */
+ * doesn't.
+ *   F = max(0, k d + c u),  zeta = c/(2 sqrt(k m)) = -ln e/sqrt(pi^2 + ln^2 e)
+ * Anagnostopoulos, Earthquake Eng. Struct. Dyn. 16 (1988) 443 and 33 (2004) 897. The contact ends where the force
+ * vanishes; what it delivers is
+ *   e' = exp(-2 zeta arccos(zeta)/sqrt(1 - zeta^2))
+ * (Schwager & Poeschel, Granular Matter 9 (2007) 465). */
 #ifndef SCREE_CONTACT_NORMAL_ANAGNOSTOPOULOS_H
 #define SCREE_CONTACT_NORMAL_ANAGNOSTOPOULOS_H
 

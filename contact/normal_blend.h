@@ -1,6 +1,7 @@
 /* Power-law spring with a dashpot that is blended in over the first part of the overlap and acts on approach only, so
- * that the force has no jump at the first touch. F = k d^p + c max(u, 0) S(d/d_full),  S(w) = 3 w^2 - 2 w^3 between 0
- * and 1 Troll et al., Adv. Mech. Eng. (2018), doi 10.1177/1687814018754953, non-linear contact force. */
+ * that the force has no jump at the first touch.
+ *   F = k d^p + c max(u, 0) S(d/d_full),  S(w) = 3 w^2 - 2 w^3 between 0 and 1
+ * Troll et al., Adv. Mech. Eng. (2018), doi 10.1177/1687814018754953, non-linear contact force. */
 #ifndef SCREE_CONTACT_NORMAL_BLEND_H
 #define SCREE_CONTACT_NORMAL_BLEND_H
 

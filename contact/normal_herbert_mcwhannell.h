@@ -1,7 +1,9 @@
 /* Spring and dashpot that grow alike with the overlap, scaled by the impact speed v0 of the contact
- * (contact/hysteresis.h). F = k d^n (1 + D u/v0),  D = 6 (1-e)/((2e-1)^2+3)          Herbert & McWhannell, J. Eng. Ind.
- * 99 (1977) 263 The contact ends at zero overlap, where the force is zero too; restitution e' by D (1 + e') = ln[(1 +
- * D)/(1 - D e')]. */
+ * (contact/hysteresis.h).
+ *   F = k d^n (1 + D u/v0),  D = 6 (1-e)/((2e-1)^2+3)
+ * Herbert & McWhannell, J. Eng. Ind. 99 (1977) 263. The contact ends at zero overlap, where the force is zero too; the
+ * restitution e' it then has solves
+ *   D (1 + e') = ln[(1 + D)/(1 - D e')] */
 #ifndef SCREE_CONTACT_NORMAL_HERBERT_MCWHANNELL_H
 #define SCREE_CONTACT_NORMAL_HERBERT_MCWHANNELL_H
 

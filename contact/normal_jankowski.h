@@ -1,8 +1,8 @@
 /* Hertz's spring with Tsuji's dashpot while the bodies approach, and none while they part: pounding structures.
  *   F = K d^(3/2) + 2 xi sqrt(m K) d^(1/4) max(u, 0),  xi = (9 sqrt(5)/2) (1 - e^2)/(e (e (9 pi - 16) + 16))
  * Jankowski, Earthquake Eng. Struct. Dyn. 35 (2006) 517. The contact ends at zero overlap, where the force is zero too.
- * The map of contact/tsuji.h takes it to the linear law with a dashpot on approach only, so e' = exp(-zeta
- * arccos(zeta)/sqrt(1 - zeta^2)),  zeta = 2 xi/sqrt(5), arcosh above zeta = 1 */
+ * The map of contact/tsuji.h takes it to the linear law with a dashpot on approach only, so
+ *   e' = exp(-zeta arccos(zeta)/sqrt(1 - zeta^2)),  zeta = 2 xi/sqrt(5), arcosh above zeta = 1 */
 #ifndef SCREE_CONTACT_NORMAL_JANKOWSKI_H
 #define SCREE_CONTACT_NORMAL_JANKOWSKI_H
 

@@ -1,10 +1,11 @@
 /* Adhesion of soft bodies: contact of radius a, held together by the work of adhesion w.
  *   d = a^2/R* - sqrt(2 pi w a/E*),  F = 4 E* a^3/(3 R*) - sqrt(8 pi w E* a^3)
  * Johnson, Kendall & Roberts, Proc. R. Soc. A 324 (1971) 301. With a = a_c x^2, a_c^3 = pi w R*^2/(8 E*), d_c =
- * a_c^2/R*: d = d_c (x^4 - 4 x),  F = pi w R* (x^6/6 - x^3),  x >= 1;  largest pull 1.5 pi w R* at x^3 = 3 Bodies
- * attach at d = 0, where the law jumps to x^3 = 4 and pulls, and let go at d = -3 d_c, x = 1: a loop that costs pi w
- * a_c^2 (12 4^(1/3) + 2)/5 = 4.2098 pi w a_c^2 a contact, e = sqrt(1 - 2 loss/(m v^2)). Energy counts from the end at x
- * = 1. Kept of a contact: that the bodies are attached. */
+ * a_c^2/R*:
+ *   d = d_c (x^4 - 4 x),  F = pi w R* (x^6/6 - x^3),  x >= 1;  largest pull 1.5 pi w R* at x^3 = 3
+ * Bodies attach at d = 0, where the law jumps to x^3 = 4 and pulls, and let go at d = -3 d_c, x = 1: a loop that costs
+ * pi w a_c^2 (12 4^(1/3) + 2)/5 = 4.2098 pi w a_c^2 a contact, e = sqrt(1 - 2 loss/(m v^2)). Energy counts from the end
+ * at x = 1. Kept of a contact: that the bodies are attached. */
 #ifndef SCREE_CONTACT_NORMAL_JKR_H
 #define SCREE_CONTACT_NORMAL_JKR_H
 

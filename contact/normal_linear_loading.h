@@ -1,7 +1,8 @@
 /* Linear spring with a dashpot that acts while the bodies approach, and not while they part.
  *   F = k d + c max(u, 0)
- *   e = exp(-zeta arccos(zeta)/sqrt(1 - zeta^2)): the dashpot sees the first half of the contact only, half of the
- * exponent of the law that is cut at zero force (Troll et al., Adv. Mech. Eng. 2018, doi 10.1177/1687814018754953). */
+ *   e = exp(-zeta arccos(zeta)/sqrt(1 - zeta^2))
+ * The dashpot sees the first half of the contact only: half of the exponent of the law that is cut at zero force (Troll
+ * et al., Adv. Mech. Eng. 2018, doi 10.1177/1687814018754953). */
 #ifndef SCREE_CONTACT_NORMAL_LINEAR_LOADING_H
 #define SCREE_CONTACT_NORMAL_LINEAR_LOADING_H
 

@@ -1,9 +1,8 @@
 /* Hertz's spring with a dashpot that makes the restitution the same at every speed; the force may pull, and the contact
  * ends at zero overlap.
- *
- *   F = K d^(3/2) + alpha sqrt(m K) d^(1/4) u              Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239
- *   e = exp(-pi zeta/sqrt(1 - zeta^2)), zeta = alpha/sqrt(5)   Antypov & Elliott, Europhys. Lett. 94 (2011) 50004
- */
+ *   F = K d^(3/2) + alpha sqrt(m K) d^(1/4) u
+ *   e = exp(-pi zeta/sqrt(1 - zeta^2)),  zeta = alpha/sqrt(5)
+ * F: Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239; e: Antypov & Elliott, Europhys. Lett. 94 (2011) 50004. */
 #ifndef SCREE_CONTACT_NORMAL_TSUJI_H
 #define SCREE_CONTACT_NORMAL_TSUJI_H
 

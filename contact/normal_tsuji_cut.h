@@ -1,7 +1,8 @@
 /* Tsuji's law that never pulls; the contact ends where the force vanishes.
- *   F = max(0, K d^(3/2) + alpha sqrt(m K) d^(1/4) u)     Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239
- *   e = exp(-2 zeta arccos(zeta)/sqrt(1 - zeta^2)),  zeta = alpha/sqrt(5), arcosh above zeta = 1: the map to the linear
- * law takes the force to x", so this end too is that of the linear law (contact/tsuji.h). */
+ *   F = max(0, K d^(3/2) + alpha sqrt(m K) d^(1/4) u)
+ *   e = exp(-2 zeta arccos(zeta)/sqrt(1 - zeta^2)),  zeta = alpha/sqrt(5), arcosh above zeta = 1
+ * Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239. The map to the linear law takes the force to the second
+ * derivative x'' there, so this end too is that of the linear law (contact/tsuji.h). */
 #ifndef SCREE_CONTACT_NORMAL_TSUJI_CUT_H
 #define SCREE_CONTACT_NORMAL_TSUJI_CUT_H
 

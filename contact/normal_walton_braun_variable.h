@@ -1,7 +1,8 @@
 /* Hysteretic spring that unloads the stiffer, the larger its largest force was.
- *   F = K1 d while loading;  F = max(0, K1 D - K2 (D - d)) while unloading from the largest overlap D,  K2 = K1 + S K1
- * D Walton & Braun, J. Rheol. 30 (1986) 949. A free impact ends where the force vanishes, at d0 = D (1 - K1/K2); e =
- * sqrt(w0/(S v + w0)),  w0 = sqrt(K1/m) */
+ *   F = K1 d while loading
+ *   F = max(0, K1 D - K2 (D - d)) while unloading from the largest overlap D,  K2 = K1 + S K1 D
+ *   e = sqrt(w0/(S v + w0)),  w0 = sqrt(K1/m)
+ * Walton & Braun, J. Rheol. 30 (1986) 949. A free impact ends where the force vanishes, at d0 = D (1 - K1/K2). */
 #ifndef SCREE_CONTACT_NORMAL_WALTON_BRAUN_VARIABLE_H
 #define SCREE_CONTACT_NORMAL_WALTON_BRAUN_VARIABLE_H
 

@@ -1,7 +1,9 @@
 /* Spring and dashpot that grow alike with the overlap, scaled by the impact speed v0 of the contact
- * (contact/hysteresis.h). F = k d^n (1 + D u/v0),  D = 3 (1-e^2) exp(2 (1-e))/4          Zhiying & Qishao, J. Beijing
- * Univ. Aeronaut. Astronaut. 32 (2006) The contact ends at zero overlap, where the force is zero too; restitution e' by
- * D (1 + e') = ln[(1 + D)/(1 - D e')]. */
+ * (contact/hysteresis.h).
+ *   F = k d^n (1 + D u/v0),  D = 3 (1-e^2) exp(2 (1-e))/4
+ * Qin Zhiying & Lu Qishao, J. Dyn. Control 4 (2006) 294. The contact ends at zero overlap, where the force is zero too;
+ * the restitution e' it then has solves
+ *   D (1 + e') = ln[(1 + D)/(1 - D e')] */
 #ifndef SCREE_CONTACT_NORMAL_ZHIYING_QISHAO_H
 #define SCREE_CONTACT_NORMAL_ZHIYING_QISHAO_H
 
@@ -31,7 +33,7 @@ static inline double normal_zhiying_qishao_restitution(const struct scree_law_co
 static const struct scree_normal_law scree_normal_zhiying_qishao = {
     .text = {.name = "zhiying-qishao",
              .formula = "F = k d^n (1 + D u/v0), D = 3 (1-e^2) exp(2 (1-e))/4",
-             .source = "Zhiying & Qishao, J. Beijing Univ. Aeronaut. Astronaut. 32 (2006)",
+             .source = "Qin Zhiying & Lu Qishao, J. Dyn. Control 4 (2006) 294",
              .note = "v0 is the impact speed of each contact, so the restitution is the same at every speed: D "
                      "(1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; calibrated = 1 takes the D "
                      "that delivers e. Never pulls while it acts as on an impact. Its loop stays scalar: the power of "

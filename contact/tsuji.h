@@ -1,7 +1,7 @@
 /* What the laws with Tsuji's dashpot on Hertz's spring share.
  *   F = K d^(3/2) + alpha sqrt(m K) d^(1/4) u
- * With x = (4/5) d^(5/4) and d(tau) = d^(1/4) sqrt(K/m) dt it becomes x" + alpha x' + (5/4) x = 0: a linear spring and
- * dashpot of zeta = alpha/sqrt(5), met and left at the same speeds; and F = 0 where x" = 0. So the restitution is that
+ * With x = (4/5) d^(5/4) and d(tau) = d^(1/4) sqrt(K/m) dt it becomes x'' + alpha x' + (5/4) x = 0: a linear spring and
+ * dashpot of zeta = alpha/sqrt(5), met and left at the same speeds; and F = 0 where x'' = 0. So the restitution is that
  * of the linear law with the same end (Antypov & Elliott, Europhys. Lett. 94 (2011) 50004, for the end at zero
  * overlap), whatever the speed. */
 #ifndef SCREE_CONTACT_TSUJI_H

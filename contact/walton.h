@@ -1,7 +1,8 @@
 /* What the hysteretic springs of Walton & Braun share: stiffness K1 while the overlap is larger than ever before, and
- * K2 >= K1 from the largest overlap D back. F = max(0, K1 D - K2 (D - d)),  K2 = fixed + S K1 D Kept of a contact: the
- * largest overlap. The force vanishes at d0 = D (1 - K1/K2), and that is the end of a free impact; the rest of the
- * overlap opens without a force, and the memory ends with it. */
+ * K2 >= K1 from the largest overlap D back.
+ *   F = max(0, K1 D - K2 (D - d)),  K2 = fixed + S K1 D
+ * Kept of a contact: the largest overlap. The force vanishes at d0 = D (1 - K1/K2), and that is the end of a free
+ * impact; the rest of the overlap opens without a force, and the memory ends with it. */
 #ifndef SCREE_CONTACT_WALTON_H
 #define SCREE_CONTACT_WALTON_H
 

@@ -33,11 +33,13 @@ int scree_sensitivities(scree_outcome_of *outcome, void *context, const double c
                         const double steps[SCREE_CONDITIONS], scree_outcome derivatives[SCREE_CONDITIONS]);
 
 /* Closed forms for a rigid product between plastic tines:
- *   friction  d clearance = g (t3 - td)^2/2. The time td of the detachment moves too, but where the comb's acceleration
- * is -mu g the product's path doesn't depend on it to first order. d error = -v^2/(2 mu^2 g), v the comb's velocity
- * where its braking fades below friction for the last time and the product slides on alone; -g tau^2/18 at a time tau
- * before the end, to leading order. play      1 and 1 start     0 and 0: the rear tines pick the product up while it
- * rests The others are 0. Nonzero if the product doesn't leave the rear tines, or isn't caught for good. */
+ *   friction  d clearance = g (t3 - td)^2/2. The time td of the detachment moves too, but where the comb's
+ *             acceleration is -mu g the product's path doesn't depend on it to first order.
+ *             d error = -v^2/(2 mu^2 g), v the comb's velocity where its braking fades below friction for the last
+ *             time and the product slides on alone; -g tau^2/18 at a time tau before the end, to leading order.
+ *   play      1 and 1
+ *   start     0 and 0: the rear tines pick the product up while it rests
+ * The others are 0. Nonzero if the product doesn't leave the rear tines, or isn't caught for good. */
 int scree_rigid_sensitivities(const scree_transport *transport, const scree_plan *plan,
                               scree_outcome derivatives[SCREE_CONDITIONS]);
 

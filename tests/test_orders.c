@@ -3,14 +3,16 @@
  * lone impacts of every normal law, rows, cradles and oblique impacts with their bounds.
  *
  * The order is the slope, by least squares, of the logarithm of the error's root mean square over phases of first
- * touch. What orders are to be expected (h: step): verlet         2. Where the spring begins as d^(3/2), a step in
- * which the touch falls errs by h^(5/2): 2.5 where nothing of second order hides it, so for springs alone, whose
- * second-order error is one of phase and cancels at d = 0. Where a dashpot begins as d^(1/4), d^(1/2): 1.25, 1.5.
- *   pair-impulse   that of classical Runge-Kutta, 4, for a lone pair whose law is a polynomial between located ends; 5
- * where the spring is linear and alone (the term of fourth order is in the phase). 2.5 where it begins as d^(3/2),
- * which has no third derivative. 2 where a contact needs what others do to its bodies, or friction turns with the
- * normal; 3 in an elastic row, for the error of extrapolation changes its sign as the bodies turn round. free body 2:
- * half a turn, a step, half a turn. */
+ * touch. What orders are to be expected (h: step):
+ *   verlet        2. Where the spring begins as d^(3/2), a step in which the touch falls errs by h^(5/2): 2.5 where
+ *                 nothing of second order hides it, so for springs alone, whose second-order error is one of phase and
+ *                 cancels at d = 0. Where a dashpot begins as d^(1/4), d^(1/2): 1.25, 1.5.
+ *   pair-impulse  that of classical Runge-Kutta, 4, for a lone pair whose law is a polynomial between located ends; 5
+ *                 where the spring is linear and alone (the term of fourth order is in the phase). 2.5 where it begins
+ *                 as d^(3/2), which has no third derivative. 2 where a contact needs what others do to its bodies, or
+ *                 friction turns with the normal; 3 in an elastic row, for the error of extrapolation changes its sign
+ *                 as the bodies turn round.
+ *   free body     2: half a turn, a step, half a turn. */
 #include "tests/scenes.h"
 
 #include "bench/precision.h"
