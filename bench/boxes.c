@@ -113,7 +113,7 @@ static void time_pairs(int kind) {
     for (int b = 0; b < scene->contacts.batches; b++) listed += scene->contacts.batch[b].count;
     for (int r = 0; r < REPEATS; r++) {
         double start = bench_now();
-        for (int k = 0; k < 100; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, 1);
+        for (int k = 0; k < 100; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, 1, NULL);
         ns[r] = (bench_now() - start) * 1e9 / (100.0 * PAIRS);
     }
     double median = bench_median(ns, REPEATS);

@@ -235,7 +235,7 @@ static struct stages time_stages(scree_scene *scene, int bodies, int threads, in
     struct stages stages;
     bench_count_on();
     double start = bench_now();
-    for (int k = 0; k < steps; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, threads);
+    for (int k = 0; k < steps; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, threads, NULL);
     stages.contacts = (bench_now() - start) / ((double)steps * bodies) * 1e9;
     stages.instructions = bench_counted() / ((double)steps * bodies);
     start = bench_now();

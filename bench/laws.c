@@ -45,7 +45,7 @@ static scree_scene *make_scene(const char *normal, const char *kind, const char 
 /* Nanoseconds per contact of one round. */
 static double round_of(scree_scene *scene) {
     double begin = bench_now(), step = scree_scene_step_length(scene);
-    for (int k = 0; k < ROUNDS; k++) scree_contacts_act(&scene->contacts, &scene->bodies, step, 1);
+    for (int k = 0; k < ROUNDS; k++) scree_contacts_act(&scene->contacts, &scene->bodies, step, 1, NULL);
     return (bench_now() - begin) / (ROUNDS * PAIRS) * 1e9;
 }
 

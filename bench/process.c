@@ -46,14 +46,15 @@ static double stage_look_ahead(scree_scene *scene, long steps) {
     double gravity[3], start = bench_now();
     for (long k = 0; k < steps; k++) {
         scree_gravity_at(scene, scree_scene_time(scene), gravity);
-        scree_bodies_look_ahead(&scene->bodies, scree_scene_time(scene), scene->step, gravity, 1e300);
+        scree_bodies_look_ahead(&scene->bodies, scene->bodies.count, scree_scene_time(scene), scene->step, gravity,
+                                1e300);
     }
     return (bench_now() - start) / (double)steps * 1e9;
 }
 
 static double stage_contacts(scree_scene *scene, long steps) {
     double start = bench_now();
-    for (long k = 0; k < steps; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, 1);
+    for (long k = 0; k < steps; k++) scree_contacts_act(&scene->contacts, &scene->bodies, scene->step, 1, NULL);
     return (bench_now() - start) / (double)steps * 1e9;
 }
 
@@ -62,7 +63,7 @@ static double stage_advance(scree_scene *scene, long steps) {
     for (int k = 0; k < scene->bodies.count; k++) /* nothing moves, so the state stays */
         for (int axis = 0; axis < 3; axis++) scene->bodies.record[k].f[axis] = scene->bodies.record[k].t[axis] = 0.0;
     for (long k = 0; k < steps; k++)
-        scree_bodies_advance(&scene->bodies, scree_scene_time(scene), scene->step, gravity);
+        scree_bodies_advance(&scene->bodies, scene->bodies.count, scree_scene_time(scene), scene->step, gravity);
     return (bench_now() - start) / (double)steps * 1e9;
 }
 

@@ -81,8 +81,8 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
     return scree_outgrown(&bodies->path[index], way, margin);
 }
 
-int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double time, double step,
-                                 const double gravity[3], double margin) {
+int scree_bodies_look_ahead(struct scree_bodies *bodies, int count, double time, double step, const double gravity[3],
+                            double margin) {
     int too_far = 0;
     drive_to(bodies, time + 0.5 * step);
     /* Nobody looks at the loads of fixed bodies; they pile up unseen. */
@@ -99,11 +99,6 @@ int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double 
     return too_far;
 }
 
-int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
-                            double margin) {
-    return scree_bodies_look_ahead_some(bodies, bodies->count, time, step, gravity, margin);
-}
-
 static void advance_turn(struct scree_bodies *bodies, int index, double step) {
     const scree_joint *joint = &scree_kind_of(bodies, index)->joint;
     if (joint->turn == SCREE_FIXED) return;
@@ -111,7 +106,7 @@ static void advance_turn(struct scree_bodies *bodies, int index, double step) {
     struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     double angle = joint->turn == SCREE_DRIVEN ? bodies->moved[joint->turn_motion].position : 0.0;
     for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
-        state->l[k] = settle(state->l[k] + bodies->record[index].t[k]);
+        state->l[k] = scree_settle(state->l[k] + bodies->record[index].t[k]);
     struct quat q = rotate(attitude, &scree_kind_of(bodies, index)->inertia, joint, attitude->ahead, &attitude->frame,
                            vec_from(state->l), 0.5 * step, 1, angle);
     quat_store(q, attitude->q);
@@ -127,16 +122,16 @@ static void advance_general(struct scree_bodies *bodies, int index, double step,
                 scree_kind_of(bodies, index)->origin[k] + bodies->moved[joint->along_motion[k]].position;
             state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
-            state->v[k] = settle(state->v[k] + (scree_kind_of(bodies, index)->inertia.inverse_mass[k] * record->f[k] +
-                                                step * gravity[k]));
+            state->v[k] =
+                scree_settle(state->v[k] + (scree_kind_of(bodies, index)->inertia.inverse_mass[k] * record->f[k] +
+                                            step * gravity[k]));
             bodies->position[index][k] = record->x[k] + 0.5 * step * state->v[k];
         }
     }
     advance_turn(bodies, index, step);
 }
 
-void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double time, double step,
-                               const double gravity[3]) {
+void scree_bodies_advance(struct scree_bodies *bodies, int count, double time, double step, const double gravity[3]) {
     drive_to(bodies, time + step);
     for (int k = 0; k < count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL)
@@ -145,10 +140,6 @@ void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double ti
         else if (bodies->class[k] == SCREE_CLASS_GENERAL)
             advance_general(bodies, k, step, gravity);
     }
-}
-
-void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
-    scree_bodies_advance_some(bodies, bodies->count, time, step, gravity);
 }
 
 void scree_bodies_find_positions(struct scree_bodies *bodies, double step) {

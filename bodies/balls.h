@@ -11,6 +11,11 @@ typedef long long scree_bits __attribute__((vector_size(32), aligned(8), may_ali
 static inline scree_row scree_row_of(const double a[3]) { return (scree_row){a[0], a[1], a[2], 0.0}; }
 static inline scree_row scree_row_times(double s, scree_row a) { return (scree_row){s, s, s, s} * a; }
 
+/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such
+ * numbers become denormal, on which processors take a slow path; so numbers this small are zero. */
+static const double scree_least_momentum = 1e-140;
+static inline double scree_settle(double x) { return fabs(x) < scree_least_momentum ? 0.0 : x; }
+
 /* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
  * half a step from now: then the path says so too. Written so that a NaN counts as too far. */
 static inline int scree_outgrown(double *path, double way, double margin) {
@@ -30,11 +35,9 @@ static inline void scree_row_put(scree_row a, double *old) {
     *(scree_row *)old = __builtin_shufflevector(a, *(const scree_row *)old, 0, 1, 2, 7);
 }
 
-/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such
- * numbers become denormal, on which processors take a slow path; so numbers this small are zero. */
 static inline scree_row scree_row_settle(scree_row a) {
     const scree_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
-    const scree_row least = {1e-140, 1e-140, 1e-140, 1e-140};
+    const scree_row least = {scree_least_momentum, scree_least_momentum, scree_least_momentum, scree_least_momentum};
     scree_row size = (scree_row)((scree_bits)a & ~sign);
     return (scree_row)((scree_bits)a & ~(scree_bits)(size < least));
 }
@@ -111,9 +114,9 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
     for (int k = 0; k < 3; k++) {
         double v = state->v[k] + (record->inverse_mass * record->f[k] + step * gravity[k]),
                l = state->l[k] + record->t[k];
-        state->v[k] = fabs(v) < 1e-140 ? 0.0 : v;
+        state->v[k] = scree_settle(v);
         rows.x[k] = record->x[k] + 0.5 * step * state->v[k];
-        state->l[k] = fabs(l) < 1e-140 ? 0.0 : l;
+        state->l[k] = scree_settle(l);
     }
     return rows;
 }

@@ -1,10 +1,10 @@
 /* The bodies of a scene while it runs: state split by temperature, and how each body moves alone.
  *
  * Four temperatures:
- *   record   what contacts read and write, every step, two bodies a contact: five rows of four doubles;
- *   state    momenta at the end of the last step, read and written once a step;
- *   position at the end of the last step, for those who look: while steps follow one another it isn't written;
- *   the rest mass properties, joints, shapes: once for all balls that are alike; attitudes of bodies that have one.
+ *   record   what contacts read and write, every step, two bodies a contact: four rows of four doubles, and the spin
+ * apart; state    momenta at the end of the last step, read and written once a step; position at the end of the last
+ * step, for those who look: while steps follow one another it isn't written; the rest mass properties, joints, shapes:
+ * once for all balls that are alike; attitudes of bodies that have one.
  *
  * The step is Verlet's in its position form (drift, kick, drift: Tuckerman, Berne & Martyna 1992): contacts are
  * evaluated half a step ahead of the state, where positions are x + h v/2 and velocities are predicted from the
@@ -147,6 +147,12 @@ static inline struct vec scree_spin_of(const struct scree_bodies *bodies, int in
     return vec_from(bodies->spin[index].w);
 }
 
+/* A bound of the speed of a body's points, m/s. */
+static inline double scree_fastest_point(const struct scree_bodies *bodies, int index) {
+    const struct scree_record *record = &bodies->record[index];
+    return vec_norm(vec_from(record->v)) + vec_norm(scree_spin_of(bodies, index)) * record->bound;
+}
+
 static inline struct scree_kind *scree_kind_of(const struct scree_bodies *bodies, int index) {
     return &bodies->kind[bodies->kind_of[index]];
 }
@@ -190,21 +196,15 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*d
 /* Put driven bodies where their motions have them at `time`, and bring every record to the instant of the state. */
 void scree_bodies_start(struct scree_bodies *bodies, double time);
 
-/* Bring the records to time + step/2: predicted velocities there, impulses cleared, `path` lengthened by the way off
- * the flight since the last call. Returns 1 if some body's path has outgrown `margin` (or is not a number), so that
- * lists must be made anew, else 0. */
-int scree_bodies_look_ahead(struct scree_bodies *bodies, double time, double step, const double gravity[3],
+/* Bring the records of the first `count` bodies to time + step/2: predicted velocities there, impulses cleared, `path`
+ * lengthened by the way off the flight since the last call. Returns 1 if some body's path has outgrown `margin` (or is
+ * not a number), so that lists must be made anew, else 0. */
+int scree_bodies_look_ahead(struct scree_bodies *bodies, int count, double time, double step, const double gravity[3],
                             double margin);
 
-/* The same for the first `count` bodies only. */
-int scree_bodies_look_ahead_some(struct scree_bodies *bodies, int count, double time, double step,
-                                 const double gravity[3], double margin);
-
-/* Kick by the impulses that contacts left in the records and by gravity at mid-step, then drift to time + step. */
-void scree_bodies_advance(struct scree_bodies *bodies, double time, double step, const double gravity[3]);
-
-void scree_bodies_advance_some(struct scree_bodies *bodies, int count, double time, double step,
-                               const double gravity[3]);
+/* Kick the first `count` bodies by the impulses that contacts left in their records and by gravity at mid-step, then
+ * drift to time + step. */
+void scree_bodies_advance(struct scree_bodies *bodies, int count, double time, double step, const double gravity[3]);
 
 /* Positions of members that were to hurry on but don't, from their records in the middle of the next step; to
  * rounding. */

@@ -12,13 +12,14 @@ typedef enum scree_freedom {
 
 /* Joint to the world. Zero: free in all six directions. Axes are world axes; turns are about the body's centre.
  * A free turn with a non-zero `axis` is a hinge about that axis, with the zero vector it is unhindered; a driven turn
- * needs the axis. Motions are indices returned by scree_scene_add_motion and count from the start position. */
+ * needs the axis. Motions are indices returned by scree_scene_add_motion and count from the start position. Planes and
+ * rectangles can't be free, and a plane turns about its normal only. */
 typedef struct scree_joint {
-    scree_freedom along[3];
-    int along_motion[3];
+    scree_freedom along[3]; /* x, y, z */
+    int along_motion[3];    /* m, of driven ones */
     scree_freedom turn;
-    int turn_motion;
-    double axis[3];
+    int turn_motion; /* rad */
+    double axis[3];  /* of any length from 1e-100 to 1e100 */
 } scree_joint;
 
 /* A body. Zero means the default wherever that makes sense: density from the material instead of a mass, identity

@@ -10,7 +10,7 @@ static inline void advance_along(int k, const struct scree_record *record, const
                                  struct scree_state *state, double x[3], const struct scree_inertia *inertia,
                                  double step, const double gravity[3]) {
     double before = state->v[k], inverse_mass = inertia->inverse_mass[k];
-    state->v[k] = settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
+    state->v[k] = scree_settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
     x[k] = record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
 }
 
@@ -24,7 +24,7 @@ static void turn_by_moments(struct scree_bodies *bodies, int index, double step)
     struct quat q = rotate(attitude, &scree_kind_of(bodies, index)->inertia, joint, attitude->ahead, &attitude->frame,
                            second, 0.5 * step, 1, angle);
     for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
-        state->l[k] = settle(state->l[k] + bodies->record[index].t[k]);
+        state->l[k] = scree_settle(state->l[k] + bodies->record[index].t[k]);
     quat_store(q, attitude->q);
 }
 

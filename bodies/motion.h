@@ -29,26 +29,26 @@ typedef enum scree_table_law {
 
 /* A motion rests where it begins (at `offset`; SINE: where its phase says; TABLE: at its first row) until `start`
  * (TABLE: until the time of that row); after its end it keeps its last position. Angles count in rad, lengths in m. The
- * arrays of a table are copied when the motion is baked. */
+ * arrays of a table are copied by scree_scene_add_motion. */
 typedef struct scree_motion_def {
-    const char *name;
+    const char *name; /* unique, not empty, at most 255 bytes; copied */
     scree_motion_kind kind;
-    double offset;               /* every kind but TABLE adds it */
+    double offset;               /* m or rad; every kind but TABLE adds it */
     double start;                /* s */
     double duration;             /* s; VELOCITY and SINE: 0 means for ever; RISE: > 0 */
     double velocity;             /* VELOCITY: 1/s of the coordinate's unit */
-    double stroke;               /* RISE */
+    double stroke;               /* RISE: m or rad */
     scree_rise_law rise;         /* RISE */
-    double amplitude;            /* SINE */
+    double amplitude;            /* SINE: m or rad */
     double frequency;            /* SINE: Hz, > 0 */
     double phase;                /* SINE: rad */
     scree_table_law table;       /* TABLE: which of the columns below count */
     size_t rows;                 /* TABLE: >= 2 */
     const double *times;         /* TABLE: s, strictly increasing */
-    const double *positions;     /* TABLE */
-    const double *velocities;    /* TABLE: CUBIC and the quintics */
-    const double *accelerations; /* TABLE: both quintics */
-    const double *jerks;         /* TABLE: VELOCITY_QUINTIC */
+    const double *positions;     /* TABLE: m or rad; here and below `rows` entries */
+    const double *velocities;    /* TABLE: CUBIC and the quintics, 1/s of that */
+    const double *accelerations; /* TABLE: both quintics, 1/s^2 of that */
+    const double *jerks;         /* TABLE: VELOCITY_QUINTIC, 1/s^3 of that */
 } scree_motion_def;
 
 /* ---- inside the library and its programs; the shared library keeps these to itself ---- */

@@ -163,8 +163,8 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
     for (int k = 0; k < 3; k++) {
         double before = state->v[k], v = before + (inverse_mass * record->f[k] + step * gravity[k]);
         double l = state->l[k] + record->t[k];
-        state->v[k] = fabs(v) < 1e-140 ? 0.0 : v;
-        state->l[k] = fabs(l) < 1e-140 ? 0.0 : l;
+        state->v[k] = scree_settle(v);
+        state->l[k] = scree_settle(l);
         bodies->position[index][k] =
             record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
     }

@@ -24,7 +24,8 @@ typedef enum scree_status {
 
 /* The last thing that went wrong. `text` is one sentence for people; `field` names the entry of a definition that
  * it is about ("mass", "shape.rounding", …), empty if none, so that a file reader can add the line. For SCREE_FAILED
- * `time` (s), `body` and `other` (indices, -1: none) say where. */
+ * `time` (s), `body` and `other` (indices, -1: none) say where; where a sphere of many is refused, `body` says which.
+ */
 typedef struct scree_trouble {
     scree_status status;
     char field[64];

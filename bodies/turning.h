@@ -85,8 +85,4 @@ static inline void drive_to(const struct scree_bodies *bodies, double time) {
     for (int k = 0; k < bodies->motions; k++) bodies->moved[k] = scree_motion_at(&bodies->motion[k], time);
 }
 
-/* A body that friction brings to rest slows down exponentially. Long before its speed could matter the squares of such
- * numbers become denormal, on which processors take a slow path; so numbers this small are zero. */
-static inline double settle(double x) { return fabs(x) < 1e-140 ? 0.0 : x; }
-
 #endif

@@ -20,8 +20,8 @@ static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contac
     }
 }
 
-static inline void collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
-                           const struct scree_batch *batch, int block) {
+void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
+                            const struct scree_batch *batch, int block) {
     int first = batch->segment[0].first + block * SCREE_LANES;
     const struct scree_yield *yield = &batch->yield[block];
     if (batch->geometry == SCREE_EDGE_EDGE && yield->silent) return;
@@ -37,11 +37,6 @@ static inline void collect(struct scree_contacts *contacts, struct scree_bodies 
         contacts->lost_normal += yield->lost.normal[lane];
         contacts->work_tangential += yield->lost.tangential[lane];
     }
-}
-
-void scree_contacts_collect(struct scree_contacts *contacts, struct scree_bodies *bodies,
-                            const struct scree_batch *batch, int block) {
-    collect(contacts, bodies, batch, block);
 }
 
 static void act_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
@@ -64,7 +59,7 @@ static void act_loose(struct scree_contacts *contacts, struct scree_bodies *bodi
             if (scree_rest_works(contacts, batch, block)) act_block(contacts, bodies, batch, block, step);
     }
     for (int block = 0; block < blocks; block++)
-        if (scree_rest_works(contacts, batch, block)) collect(contacts, bodies, batch, block);
+        if (scree_rest_works(contacts, batch, block)) scree_contacts_collect(contacts, bodies, batch, block);
     if (contacts->rest.asleep > 0) scree_rest_give_back(batch);
 }
 
@@ -77,14 +72,10 @@ static void act_segment(void *argument, struct scree_contacts *contacts, struct 
     contacts->loop->act_straight(contacts, bodies, batch, first, count, step, tally, trail);
 }
 
-int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
-                                const struct scree_departure *go) {
+int scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                       const struct scree_departure *go) {
     for (int k = 0; k < contacts->busy_batches; k++)
         act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
     contacts->flights.flown += step;
     return scree_contacts_by_slabs(contacts, bodies, step, threads, act_segment, NULL, go);
-}
-
-void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads) {
-    scree_contacts_act_and_move(contacts, bodies, step, threads, NULL);
 }

@@ -8,21 +8,22 @@
 #include <stddef.h>
 
 /* The lines of an array from byte `from` on, up to `to`. */
-static SCREE_INLINE void scree_call(const void *array, size_t from, size_t to) {
+static SCREE_INLINE void scree_prefetch(const void *array, size_t from, size_t to) {
     for (const char *line = (const char *)array + from, *end = (const char *)array + to; line < end; line += 64)
         __builtin_prefetch(line, 0, 2);
 }
 
 /* The same of what will be written: other processors give their copies away at once. (PREFETCHW, where a loop is
  * compiled for it; processors that lack it do nothing.) */
-static SCREE_INLINE void scree_claim(void *array, size_t from, size_t to) {
+static SCREE_INLINE void scree_prefetch_to_write(void *array, size_t from, size_t to) {
     for (char *line = (char *)array + from, *end = (char *)array + to; line < end; line += 64)
         __builtin_prefetch(line, 1, 2);
 }
 
 /* Both, counted in an array's elements. */
-#define SCREE_CALL(array, from, to) scree_call(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
-#define SCREE_CLAIM(array, from, to)                                                                                   \
-    scree_claim(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
+#define SCREE_PREFETCH(array, from, to)                                                                                \
+    scree_prefetch(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
+#define SCREE_PREFETCH_TO_WRITE(array, from, to)                                                                       \
+    scree_prefetch_to_write(array, (size_t)(from) * sizeof *(array), (size_t)(to) * sizeof *(array))
 
 #endif

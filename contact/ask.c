@@ -5,8 +5,10 @@
 
 #include <string.h>
 
-double scree_restitution(const struct scree_normal_law *law, const struct scree_law_constants *constants,
-                         struct scree_pair_constants pair, double mass, double speed) {
+/* What a law makes of two bodies of effective mass `mass` (kg) that meet at `speed` (m/s): its closed form if it has
+ * one, else the integrator's answer. */
+static double delivered_by(const struct scree_normal_law *law, const struct scree_law_constants *constants,
+                           struct scree_pair_constants pair, double mass, double speed) {
     if (law->restitution) return law->restitution(constants, pair, mass, speed);
     return scree_impact(law, constants, pair, mass, speed, 0.0, NULL, NULL).restitution;
 }
@@ -76,7 +78,7 @@ static double restitution_of(void *context, double value) {
     const struct scree_normal_law *law = scree_normal_laws[rule.normal];
     const struct scree_wish *wish = question->wish;
     struct scree_pair_constants pair = law->pair(&rule.normal_constants, wish->mass, wish->radius);
-    return scree_restitution(law, &rule.normal_constants, pair, wish->mass, wish->speed);
+    return delivered_by(law, &rule.normal_constants, pair, wish->mass, wish->speed);
 }
 
 /* Whether a normal law takes 0 for a parameter, as dashpots do: then there is a restitution of 1 to begin with. */
@@ -138,7 +140,7 @@ static double delivered(const struct scree_normal_law *law, double restitution) 
     struct scree_rule rule;
     if (scree_bake_rule(&def, NULL, &rule, NULL)) return NAN;
     struct scree_pair_constants pair = law->pair(&rule.normal_constants, 1.0, 1.0);
-    return scree_restitution(law, &rule.normal_constants, pair, 1.0, 1.0);
+    return delivered_by(law, &rule.normal_constants, pair, 1.0, 1.0);
 }
 
 struct scree_validity scree_validity_of(const struct scree_normal_law *law, double tolerance) {

@@ -6,11 +6,6 @@
 #include "contact/choice.h"
 #include "contact/impact.h"
 
-/* What a law makes of two bodies of effective mass `mass` (kg) that meet at `speed` (m/s): its closed form if it has
- * one, else the integrator's answer. */
-double scree_restitution(const struct scree_normal_law *law, const struct scree_law_constants *constants,
-                         struct scree_pair_constants pair, double mass, double speed);
-
 /* The value >= 0 at which the restitution `e`, which falls with it, takes the value `wanted`: within `tolerance` (of
  * the restitution), or as close as doubles come. `guess` > 0 is where the search begins. NAN if there is none up to
  * 1e60 times as much or as little. */

@@ -88,14 +88,15 @@ struct ends {
 };
 
 /* Columns of one block of contacts. What one pass divides, or takes the root of, the next one works with: a processor
- * looks ahead over some sixty operations, and what waits for a root would fill them. */
+ * looks ahead over some sixty operations, and what waits for a root would fill them. For balls of one size
+ * (scree_goes_even) ball_spin holds the sum of both spins; host_spin, radius and all fourth columns aren't set. */
 struct block {
     /* from the host's centre to the ball body's, m; sum of radii */
     _Alignas(256) double shift[4][SCREE_LANES];
     double rush[4][SCREE_LANES];      /* velocity of the ball's centre against the host's, m/s; sum of inverse masses */
     double ball_spin[4][SCREE_LANES]; /* rad/s; largest tolerable overlap, m */
-    double host_spin[4][SCREE_LANES]; /* of balls of one size this isn't there, ball_spin is the sum of both, and the */
-    double radius[SCREE_LANES];       /* radius of the ball, m, and all fourth columns are missing too */
+    double host_spin[4][SCREE_LANES]; /* rad/s; the fourth is free */
+    double radius[SCREE_LANES];       /* of the ball, m */
     double apart[SCREE_LANES];        /* of two balls: distance of the centres, m, */
     double inverse[SCREE_LANES];      /* and one over it */
     double n[3][SCREE_LANES];         /* unit normal, from the host towards the ball */
@@ -108,7 +109,7 @@ struct block {
     double slip[3][SCREE_LANES];                   /* tangential velocity of the ball, m/s */
     double force[SCREE_LANES];                     /* normal, N */
     double reversible[SCREE_LANES];                /* part of it that is stored, N */
-    double met[SCREE_LANES];                       /* overlap over half the way that closes it in a step */
+    double half_steps_in[SCREE_LANES];             /* scree_half_steps_in */
     double share[SCREE_LANES];                     /* of the step during which the bodies touch */
     double touching[SCREE_LANES];                  /* 1 while the contact lasts, else 0 */
     double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
@@ -140,6 +141,14 @@ static inline struct vec get_kept(double *const *kept, int lane) {
 
 static inline struct vec get(double (*column)[SCREE_LANES], int lane) {
     return vec(column[0][lane], column[1][lane], column[2][lane]);
+}
+
+static inline struct vec normal_at(const struct block *b, int k) { return vec(b->n[0][k], b->n[1][k], b->n[2][k]); }
+static inline struct vec slip_at(const struct block *b, int k) {
+    return vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
+}
+static inline struct vec shift_at(const struct block *b, int k) {
+    return vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]);
 }
 
 /* Where balls are of one size (scree_goes_even), what columns needn't say: sum of both radii, and the largest tolerable
@@ -369,7 +378,7 @@ static inline void find_fourth_roots(struct block *b, int count) {
 struct wants {
     double step, most; /* s; overlap that events count from, as share of what is tolerable */
     struct sizes sizes;
-    int rooted, remembers; /* laws need the roots of the overlap; friction has a stretch */
+    int takes_roots, remembers; /* laws need the roots of the overlap; friction has a stretch */
 };
 
 static SCREE_INLINE struct sizes sizes_if(struct sizes sizes, int even) {
@@ -381,7 +390,7 @@ static SCREE_INLINE double radii_of(const struct block *b, int k, struct sizes s
 }
 
 /* Normal, overlap and closing speed of two balls whose distance is known. */
-static SCREE_INLINE int meet_balls_as(struct block *b, int count, struct wants wants, int even, int rooted) {
+static SCREE_INLINE int meet_balls_as(struct block *b, int count, struct wants wants, int even, int takes_roots) {
     struct sizes sizes = sizes_if(wants.sizes, even);
     int events = 0;
     _Pragma("omp simd reduction(| : events)")
@@ -390,7 +399,7 @@ static SCREE_INLINE int meet_balls_as(struct block *b, int count, struct wants w
         struct vec n = scree_normal_of(get(b->shift, k), apart, b->inverse[k]);
         put(b->n, k, n);
         b->overlap[k] = overlap;
-        if (rooted) find_root(b, k);
+        if (takes_roots) find_root(b, k);
         b->closing[k] = -vec_dot(get(b->rush, k), n);
         b->touching[k] = b->share[k] = overlap > 0.0 ? 1.0 : 0.0;
         events |= events_at(b, k, wants.step, wants.most, sizes);
@@ -399,18 +408,18 @@ static SCREE_INLINE int meet_balls_as(struct block *b, int count, struct wants w
 }
 
 static inline int meet_balls(struct block *b, int count, struct wants wants) {
-#define MEET(even, rooted) return meet_balls_as(b, count, wants, even, rooted)
-    WITH_FLAGS(wants.sizes.even, wants.rooted, MEET);
+#define MEET(even, takes_roots) return meet_balls_as(b, count, wants, even, takes_roots)
+    WITH_FLAGS(wants.sizes.even, wants.takes_roots, MEET);
 #undef MEET
 }
 
 /* How two balls move at the middle of their overlap; where friction remembers a stretch, this is brought along with the
  * normal. The fourth root of the overlap goes along while there is enough else to do. */
 static SCREE_INLINE void slide_lane(struct block *b, int k, double *const *kept, double step, struct sizes sizes,
-                                    int remembers, int rooted) {
+                                    int remembers, int takes_roots) {
     double overlap = b->overlap[k], radii = radii_of(b, k, sizes);
     struct vec n = get(b->n, k), rush = get(b->rush, k);
-    if (rooted) b->fourth[k] = sqrt(b->root[k]);
+    if (takes_roots) b->fourth[k] = sqrt(b->root[k]);
     struct scree_roll roll = sizes.even ? scree_roll_even(n, overlap, radii, rush, b->closing[k], get(b->ball_spin, k))
                                         : scree_roll_of(n, overlap, b->radius[k], radii, rush, b->closing[k],
                                                         get(b->ball_spin, k), get(b->host_spin, k));
@@ -421,18 +430,18 @@ static SCREE_INLINE void slide_lane(struct block *b, int k, double *const *kept,
 }
 
 static SCREE_INLINE void slide_balls_as(struct block *b, int count, double *const *kept, struct wants wants, int even,
-                                        int remembers, int rooted) {
+                                        int remembers, int takes_roots) {
     struct sizes sizes = sizes_if(wants.sizes, even);
     _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) slide_lane(b, k, kept, wants.step, sizes, remembers, rooted);
+    for (int k = 0; k < padded(count); k++) slide_lane(b, k, kept, wants.step, sizes, remembers, takes_roots);
 }
 
 static inline void slide_balls(struct block *b, int count, double *const *kept, struct wants wants) {
 #define SLIDE(even, remembers) slide_balls_as(b, count, kept, wants, even, remembers, 1)
-    if (wants.rooted) WITH_FLAGS(wants.sizes.even, wants.remembers, SLIDE);
+    if (wants.takes_roots) WITH_FLAGS(wants.sizes.even, wants.remembers, SLIDE);
 #undef SLIDE
 #define SLIDE(even, remembers) slide_balls_as(b, count, kept, wants, even, remembers, 0)
-    if (!wants.rooted) WITH_FLAGS(wants.sizes.even, wants.remembers, SLIDE);
+    if (!wants.takes_roots) WITH_FLAGS(wants.sizes.even, wants.remembers, SLIDE);
 #undef SLIDE
 }
 
@@ -487,13 +496,12 @@ static inline void meet_planes(const struct scree_bodies *bodies, const struct s
 static inline void move_all(int count, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
+        struct vec n = normal_at(b, k);
         struct vec corner = vec(b->corner[0][k], b->corner[1][k], b->corner[2][k]);
-        struct scree_gait gait =
-            scree_gait_of(n, b->overlap[k], b->radius[k], corner, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]),
-                          vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
-                          vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]),
-                          vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
+        struct scree_gait gait = scree_gait_of(n, b->overlap[k], b->radius[k], corner, shift_at(b, k),
+                                               vec(b->rush[0][k], b->rush[1][k], b->rush[2][k]),
+                                               vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]),
+                                               vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
         put(b->arm, k, gait.arm);
         put(b->slip, k, gait.slip);
         b->closing[k] = gait.closing;
@@ -507,7 +515,7 @@ static inline int see(struct block *b, int count, struct wants wants) {
     int events = 0;
     _Pragma("omp simd reduction(| : events)")
     for (int k = 0; k < padded(count); k++) events |= events_at(b, k, wants.step, wants.most, any);
-    if (!wants.rooted) return events;
+    if (!wants.takes_roots) return events;
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) find_root(b, k);
     find_fourth_roots(b, count);
@@ -517,8 +525,8 @@ static inline int see(struct block *b, int count, struct wants wants) {
 static inline void share_out(int count, double step, struct block *b) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        b->met[k] = scree_met_lately(scree_met_by(b->overlap[k], b->closing[k], step));
-        b->share[k] = scree_share_of(b->met[k]);
+        b->half_steps_in[k] = scree_met_lately(scree_half_steps_in(b->overlap[k], b->closing[k], step));
+        b->share[k] = scree_share_of(b->half_steps_in[k]);
     }
 }
 
@@ -589,17 +597,12 @@ static inline void gather_crossing(const struct scree_bodies *bodies, const stru
     put(lean->turn_host, lane, vec_add(c.turn_b, vec_cross(host_arm, n)));
 }
 
-/* The most that a point of a body goes in a second, m. */
-static inline double haste_of(const struct scree_bodies *bodies, int k) {
-    return vec_norm(vec_from(bodies->record[k].v)) + vec_norm(scree_spin_of(bodies, k)) * bodies->record[k].bound;
-}
-
 /* Whether two boxes may touch edge on edge in this step, whose own way counts too: a contact that begins in it is felt
  * from its beginning. Where they can't, all would come out as zero. */
 static inline int may_cross(const struct scree_bodies *bodies, const struct scree_contact *contact,
                             const struct scree_run *run, double step) {
     double way = bodies->path[contact->ball] + bodies->path[contact->host] - run->from;
-    double haste = haste_of(bodies, contact->ball) + haste_of(bodies, contact->host);
+    double haste = scree_fastest_point(bodies, contact->ball) + scree_fastest_point(bodies, contact->host);
     if (way < run->clear && way + step * haste < run->clear) return 0;
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
     return !scree_meet_as_rectangles(&boxes, run->first);

@@ -13,8 +13,10 @@ static struct vec direction_of(const struct mat *a, const struct mat *b, int k) 
 
 static const double parallel = 1e-6; /* edges: the faces say it all */
 
-double scree_cores_depth(struct vec apart, const struct scree_attitude *a, const struct mat *frame,
-                         const double half[3]) {
+/* How deep two cores are in each other, the one seen from the other's centre: the least of the overlaps along the
+ * directions that could separate them; not positive where one does. */
+static double depth_of_cores(struct vec apart, const struct scree_attitude *a, const struct mat *frame,
+                             const double half[3]) {
     double least = HUGE_VAL;
     for (int k = 0; k < DIRECTIONS && least > 0.0; k++) {
         struct vec direction = direction_of(&a->frame, frame, k);
@@ -53,7 +55,7 @@ static double cores_distance(struct vec apart, const struct scree_attitude *a, c
  * direction of theirs tells where corner is next to corner. */
 double scree_boxes_depth(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b,
                          double roundings) {
-    double depth = scree_cores_depth(apart, a, &b->frame, b->half) + roundings;
+    double depth = depth_of_cores(apart, a, &b->frame, b->half) + roundings;
     if (depth > 0.0 && depth < roundings) depth = roundings - cores_distance(apart, a, b);
     return fmax(depth, 0.0);
 }
@@ -80,7 +82,7 @@ struct scree_meeting scree_meet_core(struct vec p, double radii, struct scree_wh
     double side = 1.0;
     int k = face_of(whole, origin, frame, half, &side);
     double along = k == 0 ? p.x : k == 1 ? p.y : p.z, depth = half[k] - side * along;
-    if (whole.box) depth = fmin(depth, scree_cores_depth(vec_sub(whole.centre, origin), whole.box, frame, half));
+    if (whole.box) depth = fmin(depth, depth_of_cores(vec_sub(whole.centre, origin), whole.box, frame, half));
     return (struct scree_meeting){vec_scale(side, frame->column[k]), radii + depth};
 }
 
@@ -466,7 +468,7 @@ double scree_cores_apart(const struct scree_two_boxes *boxes) {
 
 double scree_cores_overlap(const struct scree_two_boxes *boxes) {
     double clear = scree_cores_apart(boxes);
-    return clear > 0.0 ? -clear : scree_cores_depth(boxes->apart, boxes->a, &boxes->b->frame, boxes->b->half);
+    return clear > 0.0 ? -clear : depth_of_cores(boxes->apart, boxes->a, &boxes->b->frame, boxes->b->half);
 }
 
 /* An axis in common, along which each has an end within the other. */

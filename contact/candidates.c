@@ -216,9 +216,12 @@ struct seeker {
     int count, seen[SCREE_LANES];
 };
 
+/* More than that isn't counted. */
+enum { MOST_FOUND = INT_MAX / 2 };
+
 static void put_number(struct seeker *s, int number) {
     if (s->found->count < s->found->capacity) s->number[s->found->count] = number;
-    s->found->count++;
+    s->found->count += s->found->count < MOST_FOUND;
 }
 
 /* Take up a partner of body k whose bounds meet its, if their materials do; what there is no room for is counted. */
@@ -227,7 +230,7 @@ static void add_partner(struct seeker *s, int k, int partner) {
     if (s->last != k) put_number(s, ~k);
     s->last = k;
     put_number(s, partner);
-    s->found->partners++;
+    s->found->partners += s->found->partners < MOST_FOUND;
 }
 
 /* Which of those that body k has seen it may meet. */
@@ -425,7 +428,12 @@ static int search(struct scree_contacts *contacts, const struct scree_bodies *bo
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
-        struct seeker seeker = {contacts, bodies, grids, found, found_in(contacts, part), -1, {0}, 0, 0, {0}};
+        struct seeker seeker = {.contacts = contacts,
+                                .bodies = bodies,
+                                .grids = grids,
+                                .found = found,
+                                .number = found_in(contacts, part),
+                                .last = -1};
         int from = scree_part_begin(bodies, part), to = scree_part_begin(bodies, part + 1);
         found->count = found->partners = 0;
         for (int k = from; k < to; k++)
@@ -440,6 +448,10 @@ static scree_status share_out(struct scree_contacts *contacts, scree_trouble *tr
     size_t all = 0;
     for (int part = 0; part < SCREE_PARTS; part++) {
         struct scree_found *found = &contacts->found[part];
+        if (found->count == MOST_FOUND)
+            return scree_report(
+                trouble, SCREE_NO_MEMORY, NULL,
+                "more than %d pairs of bodies near each other are too many; are radii in the wrong unit?", MOST_FOUND);
         if (found->count > found->capacity) found->capacity = found->count + found->count / 16 + 16;
         found->first = all;
         all += (size_t)found->capacity;

@@ -13,8 +13,8 @@ typedef struct scree_setting {
 
 /* A law and its parameters. A NULL or empty `law` means: no such force. */
 typedef struct scree_law_choice {
-    const char *law;
-    int settings;
+    const char *law; /* as `scree laws` prints it */
+    int settings;    /* 0 … SCREE_SETTINGS_MAX: so many entries of `setting` count */
     scree_setting setting[SCREE_SETTINGS_MAX];
 } scree_law_choice;
 

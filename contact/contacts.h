@@ -70,12 +70,18 @@ struct scree_losses {
 struct scree_yield {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
     double depth[SCREE_LANES]; /* overlap over the largest tolerable overlap */
-    double
-        steep[SCREE_LANES]; /* step x slope of the friction law x normal force x softness: friction chatters beyond 1 */
-    int silent;             /* only edges on edges: nothing touches, the rest isn't filled in */
+    double steep[SCREE_LANES]; /* scree_steepness: friction chatters beyond 1 */
+    int silent;                /* only edges on edges: nothing touches, the rest isn't filled in */
     double lasts[SCREE_LANES]; /* whether bodies overlap at the end of the step; only of pair impulses */
     struct scree_losses lost;  /* if measured */
 };
+
+/* How much of a sliding velocity a friction law with a slope (s/m) takes in one step, at most, by the normal impulse
+ * (N s): 1 is all of it. `softness`: inverse masses of both bodies (1/kg); a ball's rotation makes it 3.5 times as soft
+ * as its mass, four corners that share a load four times. */
+static inline double scree_steepness(double impulse, double slope, double softness) {
+    return impulse * slope * (4.0 * softness);
+}
 
 /* What the pair-impulse method yields beside it, and keeps of each contact: the impulse of the last step, N s, and the
  * overlap (m) that its friction had on the mean, which tells the lever; then those of the step before. */
@@ -86,8 +92,8 @@ struct scree_moments {
 };
 
 /* Part of a batch's list: near contacts first … first + count - 1, out of the outer list's. Segment 0 holds what isn't
- * of one slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): no two slabs of the same parity touch
- * one body. */
+ * of one slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): its
+ * contacts touch bodies of slabs s and s + 1 only. */
 struct scree_part {
     int first, count, capacity;
     int outer_count;                  /* contacts in its outer list; */
@@ -96,12 +102,13 @@ struct scree_part {
     int stirring_first, stirring_end; /* those that aren't still, in the batch's list of them (rest.h) */
 };
 
-/* A slab has so many strips at most, of so many bodies at least (slabs.c). What its contacts touch as far as the end of
- * one: the last place in the slab, and in the next one (-1: none); from that strip on they touch the next one from
- * place `left` on. */
+/* A slab has so many strips at most, of so many bodies at least (slabs.c). */
 enum { SCREE_STRIPS = 24, SCREE_LEAST_STRIP = 96 };
+
+/* What a slab's contacts touch up to the end of a strip: the last place in the slab, and the last one in the next slab
+ * (-1: none); and the first place in the next slab that those from this strip on touch (INT_MAX: none). */
 struct scree_gate {
-    int own, next, left;
+    int last_own, last_next, first_next;
 };
 
 /* What laws keep of a contact. */
@@ -339,16 +346,15 @@ struct scree_contacts {
     int *busy;     /* indices of the batches that hold contacts */
     int busy_batches;
 
-    /* What making lists takes; each has one use after the other. First the pairs as they were found, by parts of the
-     * bodies; then the outer lists of all batches. */
-    struct scree_space listed;
+    /* What making lists takes; each has one use after the other:
+     *           while pairs are sought (candidates.c)          afterwards
+     *   listed  the pairs as they are found, by parts (found)  the outer lists of all batches
+     *   rough   the cells, then the pairs in order             whatever takes numbers for each body or contact and
+     * keeps none: from two numbers a body on */
+    struct scree_space listed, rough;
     struct scree_found found[SCREE_PARTS];
-    /* First the cells of the broad phase (candidates.c), then the pairs in order: the larger bodies of each body's
-     * pairs, and where these end. Whatever else takes numbers for each body or contact and keeps none: from two numbers
-     * a body on. */
-    struct scree_space rough;
-    int pairs, *end, *partner;
-    int planes, *plane;   /* bodies without bounds */
+    int pairs, *end, *partner; /* in rough: the larger bodies of each body's pairs, and where these end */
+    int planes, *plane;        /* bodies without bounds */
     double skin;          /* contacts with a gap up to this are in the outer list, m; each body may use up half of it */
     double chosen_skin;   /* the same; limits and the order of bodies go by it, whatever lists are made with */
     double most_margin;   /* a few fast bodies may use up more than half the skin: up to this, m; */
@@ -357,8 +363,8 @@ struct scree_contacts {
     float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
     struct scree_gate gate[SCREE_SLABS][SCREE_STRIPS]; /* of the strips of slabs whose lists are as they were then: */
     unsigned char gated[SCREE_SLABS];
-    unsigned char *lent; /* [place]: 1: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before;
-                          * while lists are made: a member that comes first in contacts of segment 0 */
+    unsigned char *lent;      /* [place]: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before */
+    unsigned char *has_loose; /* [place], while lists are made: a member that comes first in contacts of segment 0 */
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
     struct scree_space boxes;
@@ -444,12 +450,8 @@ void scree_contacts_forget(struct scree_contacts *contacts);
 void scree_contacts_remember(struct scree_batch *batch, const struct scree_bodies *bodies,
                              const struct scree_contact *contact, const double *kept, const double *past);
 
-/* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. */
-void scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads);
-
-/* The same; the members of slabs (bodies/order.c) are advanced as soon as all their impulses are there, and if `ahead`
- * is set brought to the middle of the next step at once. Returns 1 if one has outgrown its margin then, as
- * scree_bodies_look_ahead does. */
+/* How the members of slabs (bodies/order.c) move on as soon as all their impulses are there: to the end of the step,
+ * and if `ahead` is set to the middle of the next step at once. */
 struct scree_departure {
     double step, margin;
     double gravity[3]; /* in the middle of this step, and of the next one */
@@ -457,8 +459,11 @@ struct scree_departure {
     int ahead;
     struct scree_bodies *now; /* of pair impulses: the start of the step; NULL: by Verlet's method */
 };
-int scree_contacts_act_and_move(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
-                                const struct scree_departure *go);
+
+/* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. `go`
+ * NULL: nobody moves. Returns 1 if one that went ahead has outgrown its margin, as scree_bodies_look_ahead does. */
+int scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
+                       const struct scree_departure *go);
 
 /* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` times as many per step and
  * contact as its stiffness asks for; 0: so many, with friction two where one isn't enough. */
@@ -485,7 +490,7 @@ uint32_t scree_impel_lanes(const struct scree_contacts *contacts, const struct s
 
 /* All near contacts through one step by pair impulses (impel.c): `bodies` half a step ahead, `now` at its start
  * (scree_contacts_look_both). Impulses and moments are added to the bodies. `go` and what is returned: as with
- * scree_contacts_act_and_move. */
+ * scree_contacts_act. */
 int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                          double step, int threads, const struct scree_departure *go);
 
@@ -586,10 +591,10 @@ static inline void scree_note(double value, const struct scree_bodies *bodies, i
 /* Slabs go in stretches of so many (slabs.c). */
 enum { SCREE_STRETCH = 3 };
 
-/* From one piece of a slab's contacts of two balls to the next: bodies before place `called` have been called from
- * memory; so many contacts come behind the piece; the next slab is another thread's. */
+/* From one piece of a slab's contacts of two balls to the next: bodies before place `prefetched` have been asked
+ * for; so many contacts come behind the piece; the next slab is another thread's. */
 struct scree_trail {
-    int called, behind, at_border;
+    int prefetched, behind, at_border;
 };
 
 /* The first place that a contact has to do with. */
@@ -700,8 +705,8 @@ int scree_enlarge(void *array, int before, int after, size_t size);
 /* Room for so many bytes, whatever was there before; SCREE_NO_MEMORY. */
 scree_status scree_make_space(struct scree_space *space, size_t size, scree_trouble *trouble);
 
-/* Pairs of bodies whose bounds come within `skin`, in order: those of i with j > i are partner[end[i - 1]] …
- * partner[end[i] - 1]. */
+/* Pairs of bodies whose bounds come as near as margins and flights may bring them before the next list, in order: those
+ * of i with j > i are partner[end[i - 1]] … partner[end[i] - 1]. */
 scree_status scree_candidates(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
                               scree_trouble *trouble);
 

@@ -32,7 +32,7 @@ struct phase {
 /* ---- forces at an instant ---- */
 
 struct instant {
-    double closing, force, reversible;
+    double closing, force;
     struct scree_normal_force law;
     struct vec slip;
     struct scree_sliding at; /* what friction sees */

@@ -76,11 +76,6 @@ static inline double scree_box_reach(struct vec direction, const struct scree_at
     return scree_core_reach(direction, &box->frame, box->half);
 }
 
-/* How deep two cores are in each other, the one seen from the other's centre: the least of the overlaps along the
- * directions that could separate them; not positive where one does. */
-double scree_cores_depth(struct vec apart, const struct scree_attitude *a, const struct mat *frame,
-                         const double half[3]);
-
 /* A ball whose centre is in the core of a box, at `p` in its axes (boxes.c); `radii` of ball and rounding together. */
 struct scree_meeting scree_meet_core(struct vec p, double radii, struct scree_whole whole, struct vec origin,
                                      const struct mat *frame, const double half[3]);

@@ -59,42 +59,42 @@ struct stride {
  * times as much). */
 enum { AHEAD = 96, BLOCKS_AHEAD = 3, SIZE = 4 };
 
-static SCREE_INLINE void call_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
-    SCREE_CALL(bodies->record, k, k + 1);
-    SCREE_CALL(bodies->push, k, k + 1);
+static SCREE_INLINE void prefetch_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
+    SCREE_PREFETCH(bodies->record, k, k + 1);
+    SCREE_PREFETCH(bodies->push, k, k + 1);
     __builtin_prefetch(bodies->moment[k], 0, 2);
     __builtin_prefetch(now->record[k].x, 0, 2);
     __builtin_prefetch(now->spin[k].w, 0, 2);
 }
 
-static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, const struct scree_bodies *now, int from,
-                                     int to) {
-    SCREE_CALL(bodies->record, from, to);
-    SCREE_CALL(bodies->spin, from, to);
-    SCREE_CALL(bodies->push, from, to);
-    SCREE_CALL(bodies->moment, from, to);
-    SCREE_CALL(bodies->past, from, to);
-    SCREE_CALL(bodies->state, from, to);
-    SCREE_CALL(bodies->position, from, to);
-    SCREE_CALL(now->spin, from, to);
+static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, const struct scree_bodies *now, int from,
+                                         int to) {
+    SCREE_PREFETCH(bodies->record, from, to);
+    SCREE_PREFETCH(bodies->spin, from, to);
+    SCREE_PREFETCH(bodies->push, from, to);
+    SCREE_PREFETCH(bodies->moment, from, to);
+    SCREE_PREFETCH(bodies->past, from, to);
+    SCREE_PREFETCH(bodies->state, from, to);
+    SCREE_PREFETCH(bodies->position, from, to);
+    SCREE_PREFETCH(now->spin, from, to);
     for (int k = from; k < to; k++) __builtin_prefetch(now->record[k].x, 0, 2);
 }
 
-static SCREE_INLINE void call_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                    const struct scree_bodies *now, const struct scree_batch *batch, int next, int left,
-                                    int *called) {
+static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                        const struct scree_bodies *now, const struct scree_batch *batch, int next,
+                                        int left, int *prefetched) {
     const struct scree_ends *own = &batch->ends[next];
     if (left <= 0 || bodies->count < contacts->cached / SIZE) return;
     int first = scree_first_of(own), to = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
-    int from = *called > first ? *called : first, later = BLOCKS_AHEAD * SCREE_LANES;
-    if (to > from) call_bodies(bodies, now, from, *called = to);
+    int from = *prefetched > first ? *prefetched : first, later = BLOCKS_AHEAD * SCREE_LANES;
+    if (to > from) prefetch_bodies(bodies, now, from, *prefetched = to);
     for (int k = later; k < later + SCREE_LANES && k < left; k++) {
         int last = own[k].ball > own[k].host ? own[k].ball : own[k].host;
-        if (last >= first + AHEAD) call_partner(bodies, now, last);
+        if (last >= first + AHEAD) prefetch_partner(bodies, now, last);
     }
-    SCREE_CALL(own, later, later + SCREE_LANES);
-    for (int m = 0; m < SCREE_PAST; m++) SCREE_CALL(&batch->past[m][next], later, later + SCREE_LANES);
-    for (int m = 0; batch->kept[0] && m < 3; m++) SCREE_CALL(&batch->kept[m][next], later, later + SCREE_LANES);
+    SCREE_PREFETCH(own, later, later + SCREE_LANES);
+    for (int m = 0; m < SCREE_PAST; m++) SCREE_PREFETCH(&batch->past[m][next], later, later + SCREE_LANES);
+    for (int m = 0; batch->kept[0] && m < 3; m++) SCREE_PREFETCH(&batch->kept[m][next], later, later + SCREE_LANES);
 }
 
 static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
@@ -106,7 +106,8 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
     int hosts = batch->geometry == SCREE_BALL_BALL;
     for (int left = all, count; left > 0; left -= count, first += count) {
         count = left < SCREE_LANES ? left : SCREE_LANES;
-        call_ahead(contacts, bodies, stride->now, batch, first + count, left - count + trail->behind, &trail->called);
+        prefetch_ahead(contacts, bodies, stride->now, batch, first + count, left - count + trail->behind,
+                       &trail->prefetched);
         const struct scree_ends *own = &batch->ends[first];
         uint32_t odd = scree_impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
         clear_turns(batch, first, count, &yield);
@@ -147,7 +148,10 @@ int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *b
     return scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
 }
 
-enum { FEW = 1000, CHUNK = 256 }; /* bodies for which a team of threads doesn't pay; that one thread takes at once */
+enum {
+    WORTH_A_TEAM = 1000,
+    CHUNK = 256
+}; /* bodies for which a team of threads doesn't pay; that one thread takes at once */
 
 static int chunk_end(int from, int count) { return from + CHUNK < count ? from + CHUNK : count; }
 
@@ -157,7 +161,7 @@ int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodie
                              int threads) {
     const struct scree_loop *loop = contacts->loop;
     int too_far = scree_bodies_look_both(bodies, time, step, gravity, margin, now);
-    if (threads > 1 && count > FEW) {
+    if (threads > 1 && count > WORTH_A_TEAM) {
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (int from = 0; from < count; from += CHUNK)
             if (loop->look_both(bodies, from, chunk_end(from, count), step, gravity, margin, now))
@@ -172,7 +176,7 @@ void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct s
                                        double time, double step, const double gravity[3], int threads) {
     const struct scree_loop *loop = contacts->loop;
     scree_bodies_advance_by_moments(bodies, time, step, gravity);
-    if (threads > 1 && count > FEW) {
+    if (threads > 1 && count > WORTH_A_TEAM) {
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (int from = 0; from < count; from += CHUNK)
             loop->advance_by_moments(bodies, from, chunk_end(from, count), step, gravity);

@@ -345,7 +345,7 @@ static double part_left(const struct scree_bodies *bodies, struct place place, s
     struct vec ball = vec_from(bodies->record[contact->ball].v), host = vec_from(bodies->record[contact->host].v);
     double closing = -vec_dot(vec_sub(ball, host), middle.normal);
     if (!(closing > 0.0)) return 1.0;
-    return fmax(scree_share_of(scree_met_by(middle.overlap, closing, step)), 1e-6);
+    return fmax(scree_share_of(scree_half_steps_in(middle.overlap, closing, step)), 1e-6);
 }
 
 /* Rolling and twisting as their law sees them, at mid-step and at the predicted spins. A stretch counts from the touch
@@ -445,11 +445,7 @@ static int idle(const struct scree_bodies *bodies, struct place place, double ov
     const struct scree_batch *batch = place.batch;
     const struct scree_ends *contact = &batch->ends[place.index];
     if (!(overlap + bodies->past[contact->ball].range + bodies->past[contact->host].range < 0.0)) return 0;
-    for (int m = 0; m < SCREE_PAST; m++)
-        if (batch->past[m][place.index] != 0.0) return 0;
-    for (int m = 0; m < SCREE_MEMORY; m++)
-        if (scree_kept(batch, m, place.index) != 0.0) return 0;
-    return 1;
+    return !scree_keeps_something(batch, place.index);
 }
 
 static void write_nothing(struct place place) {
@@ -538,8 +534,8 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
     struct vec now = o.now.normal, middle = o.middle.normal, impulse = turn_along(o.sum.impulse, now, middle);
     write_yield(&o.sum, o.middle, impulse, turn_along(o.sum.moment, now, middle), o.p.friction != NULL, place);
     roll(contacts, bodies, place, o.middle, vec_dot(impulse, middle), o.at.overlap > 0.0, step);
-    double steep = batch->slope * vec_dot(impulse, middle) * 4.0 * (a->inverse_mass + b->inverse_mass);
-    place.yield->steep[place.lane] = steep;
+    place.yield->steep[place.lane] =
+        scree_steepness(vec_dot(impulse, middle), batch->slope, a->inverse_mass + b->inverse_mass);
 }
 
 uint32_t scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,

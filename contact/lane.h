@@ -28,12 +28,11 @@ struct smooth_laws {
 };
 
 /* Columns of what stays during a step. */
-struct motion {
-    double closing[SCREE_LANES];  /* acceleration that isn't the pair's own: closing, m/s^2 */
-    double aside[3][SCREE_LANES]; /* and in the tangent plane */
-    double give[SCREE_LANES],
-        give_aside[SCREE_LANES]; /* acceleration per force, along the normal and across it, 1/kg */
-    double start[SCREE_LANES];   /* overlap at the start of the step, m */
+struct lane_constants {
+    double closing[SCREE_LANES];                       /* acceleration that isn't the pair's own: closing, m/s^2 */
+    double aside[3][SCREE_LANES];                      /* and in the tangent plane */
+    double give[SCREE_LANES], give_aside[SCREE_LANES]; /* W along the normal and across it, 1/kg */
+    double start[SCREE_LANES];                         /* overlap at the start of the step, m */
     /* The levers there over the moments of inertia, summed, 1/(kg m); 1 over these, summed, 1/(kg m^2). */
     double lever[2][SCREE_LANES];
     double rate[SCREE_LANES]; /* of damping, 1/s */
@@ -61,7 +60,7 @@ struct course {
 
 /* Columns of one step of Runge-Kutta: its length and how it is to be made; where it leads, what it yields (moments:
  * about its own end), and what tells events: numbers that are positive before them and negative behind. */
-struct stride {
+struct rk_step {
     double time[SCREE_LANES];
     double lasts[2][SCREE_LANES]; /* at its begin and at its end: until contact ends */
     /* Until a slider that holds breaks loose, N, or one that slides holds, N or, of a bare spring, m/s; 1: there is
@@ -104,7 +103,7 @@ struct smooth_lane {
     struct scree_pair_constants normal_pair, friction_pair;
 };
 
-static SCREE_INLINE struct smooth_lane lane_of(const struct scree_rule *rule, const struct motion *m, int k) {
+static SCREE_INLINE struct smooth_lane lane_of(const struct scree_rule *rule, const struct lane_constants *m, int k) {
     return (struct smooth_lane){
         .normal = &rule->normal_constants,
         .friction = &rule->friction_constants,
@@ -159,7 +158,7 @@ static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth
 
 /* The stage that follows from the rates of `at`. */
 static SCREE_INLINE struct stage go_stage(struct smooth_laws laws, const struct smooth_lane *lane,
-                                          const struct motion *m, int k, const struct stage *first,
+                                          const struct lane_constants *m, int k, const struct stage *first,
                                           const struct stage *at, double time) {
     struct stage to = *first;
     to.d = first->d + time * at->u;
@@ -187,8 +186,8 @@ static SCREE_INLINE void finish_stage(struct smooth_laws laws, const struct smoo
 
 /* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular
  * frequency w errs by about (w h)^3/60 times the change of acceleration x h from the first stage to the second. */
-static SCREE_INLINE double coarse_at(const struct motion *m, int k, const struct stage *a, const struct stage *b,
-                                     const struct stage *c, double time) {
+static SCREE_INLINE double coarse_at(const struct lane_constants *m, int k, const struct stage *a,
+                                     const struct stage *b, const struct stage *c, double time) {
     const double tolerance = 60.0 * 1e-7;
     double damped = m->rate[k] * time, deep = a->d + SCREE_NO_SPEED;
     double stiff = time * time * (m->give[k] * 1.5 * fabs(a->normal) / deep);
@@ -214,8 +213,8 @@ static SCREE_INLINE double lasts_at(struct smooth_laws laws, double give, double
 /* What a slider that holds could still bear, N; by how much more (N) one that slides would have to bear if it held; the
  * force of a bare spring can't be more than what it slides with: by how much faster (m/s) it is dragged than the
  * stretch grows that its load allows. */
-static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth_lane *lane, const struct motion *m,
-                                    int k, double step, const struct stage *at) {
+static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth_lane *lane,
+                                    const struct lane_constants *m, int k, double step, const struct stage *at) {
     double bears = vec_norm(trial_at(at)), left = laws.hold(lane->friction, sliding_at(at)).holds - bears;
     if (!laws.bare) return at->slides > 0.0 ? bears - at->limit : left;
     const double soon = 1e-5 * step;
@@ -229,8 +228,8 @@ static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth
 }
 
 /* One lane goes on by its time. */
-static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
-                                   double step, struct course *c, struct stride *to) {
+static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct lane_constants *m,
+                                   int k, double step, struct course *c, struct rk_step *to) {
     struct smooth_lane lane = lane_of(rule, m, k);
     struct stage first = {.d = c->d[k], .u = c->u[k]};
     double time = to->time[k];
@@ -321,9 +320,10 @@ static SCREE_INLINE struct yields add_yields(struct yields a, double share, cons
 
 /* The instant `t` after that of the lane, and the rates of what it yields then. It is the first of its step, or `since`
  * it (s). */
-static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct motion *m,
-                                             int k, struct course *c, double t, const struct yields *so_far,
-                                             const struct stage *first, double since, struct stage *at) {
+static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const struct smooth_lane *lane,
+                                             struct lane_constants *m, int k, struct course *c, double t,
+                                             const struct yields *so_far, const struct stage *first, double since,
+                                             struct stage *at) {
     struct yields rate = {.press_moment = so_far->press, .rub_moment = so_far->rub};
     at->u = c->u[k] + (t * m->closing[k] - m->give[k] * so_far->press);
     at->d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * so_far->press_moment));
@@ -349,8 +349,8 @@ static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const stru
 
 /* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and
  * their moments themselves are the states. One step in sigma; of size 0: nothing. */
-static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_rule *rule, struct motion *m, int k,
-                                   double step, struct course *c, struct stride *to) {
+static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_rule *rule, struct lane_constants *m,
+                                   int k, double step, struct course *c, struct rk_step *to) {
     const double node[5] = {0.0, 0.5, 0.5, 1.0, 1.0}, weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0};
     struct smooth_lane lane = lane_of(rule, m, k);
     double span = to->span[k], size = to->size[k], along = 0.0, began = 0.0;
@@ -401,7 +401,7 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
  * many. Odd are contacts that overlap still after their end. `deepens` 0: as if it got no deeper than it is; returns 1
  * where it may. */
 static SCREE_INLINE double rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, double step,
-                                     int asked, int deepens, int k, struct course *c, struct motion *m) {
+                                     int asked, int deepens, int k, struct course *c, struct lane_constants *m) {
     struct smooth_lane lane = lane_of(rule, m, k);
     double d = (c->d[k] > 0.0 ? c->d[k] : 0.0) + SCREE_NO_SPEED, u = c->u[k], way = d + step * fabs(u), deep = d;
     struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, scree_pressed(d, u, 0.0, 0.0)), g = f;

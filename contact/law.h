@@ -70,8 +70,8 @@ struct scree_pair_constants {
     double c[SCREE_PAIR_CONSTANTS];
 };
 
-/* Square and fourth root of an overlap, 0 where there is none, for laws that need them (`rooted`): the loop has found
- * them before; where they aren't known the law does. */
+/* Square and fourth root of an overlap, 0 where there is none, for laws that need them (`takes_roots`): the loop has
+ * found them before; where they aren't known the law does. */
 struct scree_roots {
     int known;
     double square, fourth;
@@ -115,7 +115,7 @@ struct scree_normal_law {
     int cut;            /* force never pulls: F = max(0, F); the contact ends where F = 0 */
     int memory;         /* keeps numbers of the contact */
     int turns_smoothly; /* one formula holds while bodies approach and part */
-    int rooted;         /* takes scree_roots */
+    int takes_roots;    /* takes scree_roots */
     int root; /* the dashpot sets in like this root of the overlap (4, 2); 0: like a whole power, or at once */
     /* Check what ranges can't say and compute the law's constants. `values` are within their ranges. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
@@ -174,10 +174,10 @@ struct scree_friction_law {
     struct scree_law_text text;
     int memory; /* keeps stretch and state */
     int slider; /* the stretch is that of a spring behind a slider: with half = 0 it is cut to what the slider holds */
-    int rooted; /* `grip` takes scree_roots */
-    int in_force; /* as `slider`, but what is kept is the force of that spring, N */
-    int rescaled; /* as `in_force`, but the force falls with the stiffness, sqrt(d), while the overlap does */
-    int root;     /* the stiffness sets in like this root of the overlap; 0: otherwise */
+    int takes_roots; /* `grip` takes scree_roots */
+    int in_force;    /* as `slider`, but what is kept is the force of that spring, N */
+    int rescaled;    /* as `in_force`, but the force falls with the stiffness, sqrt(d), while the overlap does */
+    int root;        /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
     struct scree_pair_constants (*pair)(const struct scree_law_constants *law, double mass, double radius);

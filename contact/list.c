@@ -117,7 +117,8 @@ static void take(struct scree_contacts *contacts, const struct scree_bodies *bod
                  const struct scree_contact *contact, int pass) {
     int s = scree_segment_of(bodies, batch, contact);
     struct scree_part *segment = &batch->segment[s];
-    if (s == 0 && !(pass & LOOSE)) contacts->lent[contact->ball < contact->host ? contact->ball : contact->host] = 1;
+    if (s == 0 && !(pass & LOOSE))
+        contacts->has_loose[contact->ball < contact->host ? contact->ball : contact->host] = 1;
     if (!(pass & (s > 0 ? OF_SLABS : LOOSE))) return;
     if (pass & FILL && s == 0) batch->loose[segment->outer_count] = *contact;
     if (s > 0) encode(batch, segment, contact, pass);
@@ -259,11 +260,11 @@ static void take_some(struct scree_contacts *contacts, const struct scree_bodies
 
 /* Two members make a contact of the first one's slab, and slabs can be filled at once; or of segment 0, if they are
  * images or, fast as they are, may meet from slabs that aren't neighbours: those come one after the other, and bodies
- * that have some are marked meanwhile in `lent`. */
+ * that have some are marked meanwhile in `has_loose`. */
 static void take_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads, int pass) {
     const struct scree_order *order = &bodies->order;
     int members = order->slabs ? order->members : bodies->count, shared = threads > 1;
-    memset(contacts->lent, 0, (size_t)bodies->count);
+    memset(contacts->has_loose, 0, (size_t)bodies->count);
     for (int b = 0; b < contacts->batches; b++) {
         contacts->batch[b].any_turns = contacts->batch[b].turns;
         for (int s = 0; s <= order->slabs; s++) {
@@ -278,10 +279,10 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
         take_some(contacts, bodies, order->start[slab], order->start[slab + 1],
                   shared ? pass | OF_SLABS : pass | OF_SLABS | LOOSE);
     for (int k = members; k < bodies->count; k++)
-        if (contacts->lent[k]) take_some(contacts, bodies, k, k + 1, pass | LOOSE);
+        if (contacts->has_loose[k]) take_some(contacts, bodies, k, k + 1, pass | LOOSE);
 }
 
-/* Batches that hold contacts; those of two balls last, for then bodies can move on behind them (act.c). */
+/* Batches that hold contacts; those of two balls last. */
 static void find_busy(struct scree_contacts *contacts) {
     contacts->busy_batches = 0;
     for (int balls = 0; balls < 2; balls++)
@@ -322,9 +323,9 @@ static scree_status make_room(struct scree_contacts *contacts, const struct scre
 }
 
 /* More than so many bodies have narrow margins. */
-enum { FEW = 64 };
+enum { FEW_BODIES = 64 };
 static int are_many(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
-    return contacts->step > 0.0 && (bodies->order.slabs > 0 || bodies->count > FEW);
+    return contacts->step > 0.0 && (bodies->order.slabs > 0 || bodies->count > FEW_BODIES);
 }
 
 static int is_box(const struct scree_bodies *bodies, int k) {
@@ -349,9 +350,9 @@ static scree_status note_boxes(struct scree_contacts *contacts, const struct scr
     return SCREE_OK;
 }
 
-/* Margins where bodies are few: all that there is; but of boxes whose cores are apart only as far as that, for until
- * these meet, corners and edges that can touch no sooner needn't be near. Not where that lasts too short: a list by far
- * more margins costs more. */
+/* Where bodies are few, each gets half the skin; but a box only up to where its core could meet another's, for until
+ * then corners and edges that can't touch sooner stay off the near list. Not where that is little: lists would be made
+ * too often. */
 static void limit_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double half = 0.5 * contacts->skin;
     for (int k = 0; k < bodies->count; k++) contacts->widest[k] = half;

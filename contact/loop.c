@@ -113,7 +113,7 @@ static void note_losses(const struct block *b, int count, const struct scree_rul
 static void note_slopes(const struct block *b, const struct scree_ends *own, int count, double slope, double step,
                         struct scree_tally *tally) {
     for (int k = 0; k < count; k++) {
-        double steep = step * slope * b->force[k] * (4.0 * b->rush[3][k]);
+        double steep = scree_steepness(step * b->force[k], slope, b->rush[3][k]);
         if (steep <= tally->steepest) continue;
         tally->steepest = steep;
         tally->steepest_ball = own[k].ball;
@@ -129,10 +129,10 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
  * takes longer than to read it. */
 enum { AHEAD = 192, BLOCKS_AHEAD = 3 };
 
-static SCREE_INLINE void call_bodies(const struct scree_bodies *bodies, int from, int to) {
-    SCREE_CLAIM(bodies->record, from, to);
-    SCREE_CLAIM(bodies->spin, from, to);
-    SCREE_CLAIM(bodies->state, from, to);
+static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, int from, int to) {
+    SCREE_PREFETCH_TO_WRITE(bodies->record, from, to);
+    SCREE_PREFETCH_TO_WRITE(bodies->spin, from, to);
+    SCREE_PREFETCH_TO_WRITE(bodies->state, from, to);
 }
 
 /* Those of a block that lie beyond a place. */
@@ -141,26 +141,27 @@ static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struc
     for (int k = 0; k < SCREE_LANES; k++) far |= (uint32_t)((own[k].host > beyond) | (own[k].ball > beyond)) << k;
     for (; far; far &= far - 1) {
         int k = __builtin_ctz(far), later = own[k].host > own[k].ball ? own[k].host : own[k].ball;
-        SCREE_CLAIM(bodies->record, later, later + 1);
-        SCREE_CLAIM(bodies->spin, later, later + 1);
+        SCREE_PREFETCH_TO_WRITE(bodies->record, later, later + 1);
+        SCREE_PREFETCH_TO_WRITE(bodies->spin, later, later + 1);
     }
 }
 
-/* A quarter of it is asked for after each pass: at once it would wait in a queue, and the passes behind it. `called`:
- * bodies before this place have been. */
-static SCREE_INLINE void call_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                    const struct work *w, const struct scree_ends *own, int left, int quarter,
-                                    struct scree_trail *trail) {
+/* A quarter of it is asked for after each pass: at once it would wait in a queue, and the passes behind it.
+ * `prefetched`: bodies before this place have been. */
+static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                        const struct work *w, const struct scree_ends *own, int left, int quarter,
+                                        struct scree_trail *trail) {
     enum { QUARTER = SCREE_LANES / 4 };
     if (bodies->count < contacts->cached && !trail->at_border) return;
     int first = scree_first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
-    int from = trail->called > first ? trail->called : first, to = from + (goal - from + 3 - quarter) / (4 - quarter);
+    int from = trail->prefetched > first ? trail->prefetched : first,
+        to = from + (goal - from + 3 - quarter) / (4 - quarter);
     int later = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER;
-    if (to > from) call_bodies(bodies, from, trail->called = to);
+    if (to > from) prefetch_bodies(bodies, from, trail->prefetched = to);
     if (quarter == 0 && left > BLOCKS_AHEAD * SCREE_LANES)
         call_far(bodies, own + (BLOCKS_AHEAD - 1) * SCREE_LANES, first + AHEAD);
-    SCREE_CALL(own, later, later + QUARTER);
-    for (int m = 0; w->wants.remembers && m < 3; m++) SCREE_CALL(w->kept[m], later, later + QUARTER);
+    SCREE_PREFETCH(own, later, later + QUARTER);
+    for (int m = 0; w->wants.remembers && m < 3; m++) SCREE_PREFETCH(w->kept[m], later, later + QUARTER);
 }
 
 /* ---- bodies ---- */
@@ -197,10 +198,11 @@ static SCREE_INLINE double hurry_one(struct scree_record *record, struct scree_s
 /* In two passes over some bodies at a time: a root at the end of each body's chain would hold up the next. `lent`: see
  * scree_loop. */
 static int move_some(struct scree_bodies *bodies, int from, int count, const struct scree_departure *go,
-                     const unsigned char *lent, int only) {
+                     const unsigned char *lent, int wanted) {
     double square[SCREE_LANES], step = go->step, margin = go->margin, *path = bodies->path + from;
     scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
-    int plain = all_are(bodies->class + from, count, SCREE_CLASS_BALL) && (!lent || all_are(lent + from, count, only));
+    int plain =
+        all_are(bodies->class + from, count, SCREE_CLASS_BALL) && (!lent || all_are(lent + from, count, wanted));
     if (plain && go->ahead) {
         struct scree_record *record = bodies->record + from;
         struct scree_spin *spin = bodies->spin + from;
@@ -211,7 +213,7 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
             square[k] = hurry_one(&record[k], &spin[k], &state[k], flight + (flies ? 4 * k : 0), step, gravity, next);
     } else {
         for (int k = 0; k < count; k++) {
-            int stays = bodies->class[from + k] == SCREE_CLASS_ASLEEP || (lent && lent[from + k] != only);
+            int stays = bodies->class[from + k] == SCREE_CLASS_ASLEEP || (lent && lent[from + k] != wanted);
             square[k] = stays ? 0.0 : move_one(bodies, from + k, go, gravity, next);
         }
     }
@@ -223,21 +225,21 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
 }
 
 /* Whether none of some bodies moves on. */
-static int all_stay(const struct scree_bodies *bodies, int from, int count, const unsigned char *lent, int only) {
+static int all_stay(const struct scree_bodies *bodies, int from, int count, const unsigned char *lent, int wanted) {
     int some = 0;
     for (int k = from; k < from + count; k++)
-        some |= (bodies->class[k] != SCREE_CLASS_ASLEEP) & (!lent || lent[k] == only);
+        some |= (bodies->class[k] != SCREE_CLASS_ASLEEP) & (!lent || lent[k] == wanted);
     return !some;
 }
 
 static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
-                const unsigned char *lent, int only) {
+                const unsigned char *lent, int wanted) {
     int too_far = 0;
-    if (go->now) return SCREE_PART(move_by_moments)(bodies, from, to, go, lent, only);
+    if (go->now) return SCREE_PART(move_by_moments)(bodies, from, to, go, lent, wanted);
     for (int k = from; k < to; k += SCREE_LANES) {
         int count = to - k < SCREE_LANES ? to - k : SCREE_LANES;
-        if ((bodies->calm || only) && all_stay(bodies, k, count, lent, only)) continue;
-        too_far |= move_some(bodies, k, count, go, lent, only);
+        if ((bodies->calm || wanted) && all_stay(bodies, k, count, lent, wanted)) continue;
+        too_far |= move_some(bodies, k, count, go, lent, wanted);
     }
     return too_far;
 }
@@ -261,14 +263,14 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         w.wants.most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
         if (left) find_ends(bodies, own + here, left, &ends[!turn]);
         begin_at(&w, first + done);
-        call_ahead(contacts, bodies, &w, own, to_come, 0, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 0, trail);
         name_contacts(batch, first + done, here, contact);
         int events = gather(bodies, batch, contact, &ends[turn], here, w.wants, &b);
-        call_ahead(contacts, bodies, &w, own, to_come, 1, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 1, trail);
         press(&w, first + done, here, events, &b);
-        call_ahead(contacts, bodies, &w, own, to_come, 2, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 2, trail);
         push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, contacts->in_hand, step);
-        call_ahead(contacts, bodies, &w, own, to_come, 3, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 3, trail);
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) note_losses(&b, here, w.rule, step, tally);

@@ -18,15 +18,15 @@ struct scree_loop {
      * up to SCREE_LANES. */
     uint32_t (*judge)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                       const struct scree_contact *pair, int count);
-    /* Bodies from … to - 1, free or frozen balls, go on (scree_departure): those that aren't lent, or only those. */
+    /* Bodies from … to - 1, free or frozen balls, go on (scree_departure): those with lent[k] == wanted; NULL: all. */
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
-                const unsigned char *lent, int only);
-    /* As many contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Bits of those
-     * that it can't do are set, and their lanes left alone. */
+                const unsigned char *lent, int wanted);
+    /* A block of contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Returns bits
+     * of the lanes that are left to within.c, and leaves them alone. */
     uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
                       struct scree_moments *moments);
-    /* The same of those in some of the lanes, drawn together. */
+    /* The same for contacts first + lane[0 … count - 1] of a batch. */
     uint32_t (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                           const struct scree_batch *batch, int first, const int *lane, int count, double step,
                           struct scree_yield *yield, struct scree_moments *moments);
@@ -79,7 +79,7 @@ int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double 
 void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,
                                     const double gravity[3]);
 int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
-                                const unsigned char *lent, int only);
+                                const unsigned char *lent, int wanted);
 #endif
 
 #endif

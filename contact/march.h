@@ -11,11 +11,11 @@
 /* Loops over lanes with the laws in them. */
 struct smooth_loops {
     void (*rates)(const struct scree_rule *rule, double slope, double step, int asked, int count, struct course *c,
-                  struct motion *m);
-    void (*go)(const struct scree_rule *rule, struct motion *m, int count, double step, struct course *c,
-               struct stride *to);
-    void (*tick)(const struct scree_rule *rule, struct motion *m, int count, double step, struct course *c,
-                 struct stride *to);
+                  struct lane_constants *m);
+    void (*go)(const struct scree_rule *rule, struct lane_constants *m, int count, double step, struct course *c,
+               struct rk_step *to);
+    void (*tick)(const struct scree_rule *rule, struct lane_constants *m, int count, double step, struct course *c,
+                 struct rk_step *to);
 };
 
 /* Flags in such a loop are numbers, 0 or 1: negations of ints beside doubles keep gcc from making vectors. */
@@ -59,9 +59,9 @@ static void return_lanes(const void *from, const int *lane, int count, size_t si
 
 /* Contacts on their way. */
 struct march {
-    struct motion m;
+    struct lane_constants m;
     struct course c;
-    struct stride to;
+    struct rk_step to;
     int by_clock; /* steps by the clock of a root of the overlap: all are behind its begin (1) or before its end (-1);
                      0: they aren't */
 };
@@ -74,7 +74,8 @@ enum { NOTHING, COARSE, TURNS, SLIPS, ENDS, ODD };
 enum { MOST_EVENTS = 8, TRIES = 40 };
 
 /* Free flight up to the touch, on a parabola, of what touches in the step; `rest` of all others is zero. */
-static SCREE_INLINE void begin_lane(int k, double step, double flight, int rubs, struct motion *m, struct course *c) {
+static SCREE_INLINE void begin_lane(int k, double step, double flight, int rubs, struct lane_constants *m,
+                                    struct course *c) {
     double d = c->d[k], u = c->u[k], a = m->closing[k], square = u * u - 2.0 * a * d;
     double root = u + sqrt(square > 0.0 ? square : 0.0), start = -2.0 * d / (root + SCREE_NO_SPEED);
     double touches = d > 0.0 ? 1.0 : 0.0, begins = flight > 0.0 ? 1.0 - touches : 0.0;
@@ -140,7 +141,7 @@ struct seen {
 static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, double by_control, int k,
                                          const struct march *x) {
     const struct course *c = &x->c;
-    const struct stride *to = &x->to;
+    const struct rk_step *to = &x->to;
     double by_turn = pass->turns ? 1.0 : 0.0, rubs = pass->rubs ? 1.0 : 0.0, damped = pass->damped ? 1.0 : 0.0;
     double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k], coarse = by_control * to->coarse[k];
     double moves = c->u[k] * time > 1e-12 * c->d[k] ? 1.0 : rubs; /* rest isn't a turn */
@@ -177,7 +178,7 @@ static int look(const struct smooth_pass *pass, int count, const struct march *x
 }
 
 /* One axis of what friction does in it. */
-static SCREE_INLINE void accept_axis(int axis, int takes, int anew, int k, double left, const struct stride *to,
+static SCREE_INLINE void accept_axis(int axis, int takes, int anew, int k, double left, const struct rk_step *to,
                                      struct course *c) {
     double rub = to->rub[axis][k], rub_moment = to->rub_moment[axis][k] + left * rub;
     c->rub[axis][k] = (anew ? 0.0 : c->rub[axis][k]) + (takes ? rub : 0.0);
@@ -191,7 +192,7 @@ static SCREE_INLINE void accept_axis(int axis, int takes, int anew, int k, doubl
 /* Take the step of a lane, if `takes`; `anew`: nothing has been yielded before. */
 static SCREE_INLINE void accept_lane(int rubs, int takes, int anew, int k, struct march *x) {
     struct course *c = &x->c;
-    const struct stride *to = &x->to;
+    const struct rk_step *to = &x->to;
     double left = c->rest[k] - to->time[k], press = to->press[k], moment = to->press_moment[k] + left * press;
     c->press[k] = (anew ? 0.0 : c->press[k]) + (takes ? press : 0.0);
     c->press_moment[k] = (anew ? 0.0 : c->press_moment[k]) + (takes ? moment : 0.0);
@@ -218,7 +219,7 @@ static void accept(int count, int rubs, const double *event, struct march *x) {
  * speed of now unless it is known to be that of the step. Returns the number of its own steps, for a root that is near
  * and one that isn't. */
 static int set_clock(const struct smooth_pass *pass, int k, int ends, struct march *x) {
-    struct stride *to = &x->to;
+    struct rk_step *to = &x->to;
     double time = to->time[k], away = fabs(x->c.d[k] / x->c.u[k]), over = away - time, way = way_by_clock(x, k);
     over = ends || !(over > 0.0) ? 0.0 : over;
     double other = x->by_clock > 0 ? away : over, near = sqrt(other / (time + other));
@@ -233,7 +234,7 @@ static int set_clock(const struct smooth_pass *pass, int k, int ends, struct mar
 
 /* The step of all lanes by the clock of a root. */
 static void tick(const struct smooth_pass *pass, int count, const int *ends, struct march *x) {
-    struct stride *to = &x->to;
+    struct rk_step *to = &x->to;
     int pieces[SCREE_LANES], most = 0;
     double time[SCREE_LANES];
     for (int k = 0; k < padded(count); k++) {

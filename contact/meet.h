@@ -5,15 +5,15 @@
 
 #include "contact/contacts.h"
 
-/* The overlap in the middle of a step, over the way of half of it. */
-static SCREE_INLINE double scree_met_by(double overlap, double closing, double step) {
+/* How many half steps ago bodies have met that close in, or for how many they still touch that part: from the overlap
+ * in the middle of a step. */
+static SCREE_INLINE double scree_half_steps_in(double overlap, double closing, double step) {
     return overlap / (0.5 * step * fabs(closing) + SCREE_NO_SPEED);
 }
 
-/* Share of the step during which bodies touch that have `met` by so much: 1 or 0, but for the steps in which they meet
- * or part. */
-static SCREE_INLINE double scree_share_of(double met) {
-    double share = 0.5 + 0.5 * met;
+/* Share of the step during which the bodies touch, from that: 1 or 0, but for the steps in which they meet or part. */
+static SCREE_INLINE double scree_share_of(double half_steps_in) {
+    double share = 0.5 + 0.5 * half_steps_in;
     share = share < 1.0 ? share : 1.0;
     return share > 0.0 ? share : 0.0;
 }
@@ -201,9 +201,9 @@ static SCREE_INLINE struct vec scree_into_tangent_plane(struct vec stretch, stru
     return vec_scale(scale, flat);
 }
 
-/* The same of two balls, whose normal turns as their centres go round each other, by w = h v/r in a step, v the
- * velocity across the normal: along s.n the stretch has been on the normal, and half of that times w is what it lacks
- * in length and direction. Errs by the third order of the turn in a step, and takes no division. `per`: h/r. */
+/* The same of two balls, whose normal turns as their centres go round each other, by w = h v/r in a step, where v is
+ * their relative velocity across the normal: s - (s.n)(n - w/2). Errs by the third order of w, and takes no division.
+ * `per`: h/r, s/m. */
 static SCREE_INLINE struct vec scree_turn_along(struct vec stretch, struct vec normal, struct vec aside, double per) {
     return vec_axpy(stretch, -vec_dot(stretch, normal), vec_axpy(normal, -0.5 * per, aside));
 }

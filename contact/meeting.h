@@ -147,7 +147,7 @@ static inline void fetch_state(const unsigned char *slides, int first, const int
 
 /* What is kept of the contacts. */
 static void fetch_kept(const struct scree_batch *batch, int first, const int *index, int count, int turns,
-                       struct meeting *to, struct course *c, struct motion *m) {
+                       struct meeting *to, struct course *c, struct lane_constants *m) {
     for (int axis = 0; axis < 3; axis++) {
         fetch_column(batch->past[axis], first, index, count, to->last[axis]);
         fetch_column(batch->past[SCREE_PAST_STEP + axis], first, index, count, to->before[axis]);
@@ -176,7 +176,7 @@ static SCREE_INLINE struct vec by_arms(const struct meeting *at, int k, int even
 
 /* Normal, arms and speeds at the start, normal in the middle. */
 static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int balls, int turns, struct sizes sizes,
-                                   struct meeting *to, struct course *c, struct motion *m) {
+                                   struct meeting *to, struct course *c, struct lane_constants *m) {
     struct vec n = get(b->n, k), shift = get(b->shift, k), rush = get(b->rush, k), later_n = n;
     double d = b->overlap[k], radii = radii_of(b, k, sizes), apart = vec_dot(shift, n);
     if (balls) {
@@ -211,7 +211,7 @@ static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int ball
 
 /* The acceleration that isn't the pair's own: the rest of what the bodies do, and the turning of arms and normal. */
 static SCREE_INLINE void drive_lane(struct block *b, int k, double step, int turns, int even, struct meeting *to,
-                                    struct motion *m) {
+                                    struct lane_constants *m) {
     struct vec n = get(b->n, k), later_n = get(to->later_n, k), rush = get(b->rush, k), last = get(to->last, k);
     double more = (0.15 - 0.5 * m->rate[k] * step) / 0.06, per_step = 1.0 / step;
     more = more > 0.0 ? more : 0.0;

@@ -232,7 +232,8 @@ static void move_columns(struct scree_batch *batch, const struct scree_part *seg
     }
 }
 
-/* Make a segment's list anew; 0 if it has too little room, and then `count` says how much it takes. */
+/* Make a segment's list anew. Returns 0, or how many contacts it must hold if it has too little room: then nothing was
+ * changed. */
 static int renew(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct scree_batch *batch,
                  int s, struct scree_scratch *scratch) {
     struct scree_part *segment = &batch->segment[s];

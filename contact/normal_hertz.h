@@ -40,7 +40,7 @@ static const struct scree_normal_law scree_normal_hertz = {
              .example = "stiffness = 5e6"},
     .cut = 0,
     .turns_smoothly = 1,
-    .rooted = 1,
+    .takes_roots = 1,
     .bake = normal_hertz_bake,
     .pair = hertz_pair,
     .force = normal_hertz_force,

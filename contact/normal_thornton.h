@@ -63,9 +63,7 @@ static inline double thornton_stored(const struct scree_law_constants *law, stru
 }
 
 /* Speed at which yield begins: m v^2/2 = (2/5) K d_y^(5/2). */
-static inline double thornton_yield_speed(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                          double mass) {
-    (void)law;
+static inline double thornton_yield_speed(struct scree_pair_constants pair, double mass) {
     return sqrt(0.8 * pair.c[THORNTON_YIELD_FORCE] * pair.c[THORNTON_YIELD_OVERLAP] / mass);
 }
 
@@ -94,7 +92,8 @@ static inline struct scree_normal_force normal_thornton_force(const struct scree
 
 static inline double normal_thornton_restitution(const struct scree_law_constants *law,
                                                  struct scree_pair_constants pair, double mass, double speed) {
-    double x = thornton_yield_speed(law, pair, mass) / speed;
+    (void)law;
+    double x = thornton_yield_speed(pair, mass) / speed;
     if (x >= 1.0) return 1.0;
     double root = sqrt(1.2 - 0.2 * x * x);
     return sqrt(1.2 * sqrt(3.0) * (1.0 - x * x / 6.0) * sqrt(x / (x + 2.0 * root)));

@@ -20,7 +20,8 @@ static SCREE_INLINE double jump_of(const struct scree_normal_law *normal, const 
                                    double share, double step) {
     int held = normal->reach && at.second > 0.0; /* parting is farther off then */
     if (normal->reach && held == (at.closing > 0.0)) return 0.0;
-    if (held) share = scree_share_of(scree_met_by(at.overlap + normal->reach(constants, pair), at.closing, step));
+    if (held)
+        share = scree_share_of(scree_half_steps_in(at.overlap + normal->reach(constants, pair), at.closing, step));
     return (share - touching) * normal->jump(constants, pair, held);
 }
 
@@ -39,7 +40,7 @@ static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
         double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
         struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                      \
         struct scree_pressing at = scree_pressed(b->overlap[k], b->closing[k], 0.0, 0.0);                              \
-        if (scree_normal_##word.rooted) at.roots = roots_at(b, k);                                                     \
+        if (scree_normal_##word.takes_roots) at.roots = roots_at(b, k);                                                \
         if (scree_normal_##word.memory) {                                                                              \
             at.first = own[0][k];                                                                                      \
             at.second = own[1][k];                                                                                     \
@@ -79,7 +80,7 @@ static SCREE_INLINE struct scree_sliding sliding_at(const struct block *b, int k
     struct scree_sliding at = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0, .overlap = b->overlap[k], .half = half};
     at.closing = b->closing[k];
     at.apart = 1.0 - b->share[k];
-    at.velocity = vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
+    at.velocity = slip_at(b, k);
     if (!memory) return at;
     at.stretch = get_kept(kept, k);
     at.sliding = b->state[k];
@@ -121,7 +122,7 @@ static inline void put_slider(struct block *b, int k, struct scree_slider slider
         struct scree_pair_constants of_pair = friction_pair_at(pair, k);                                               \
         struct scree_sliding at = sliding_at(b, k, scree_friction_##word.memory, kept, half);                          \
         at.bare = bare;                                                                                                \
-        if (scree_friction_##word.rooted) at.roots = roots_at(b, k);                                                   \
+        if (scree_friction_##word.takes_roots) at.roots = roots_at(b, k);                                              \
         if (scree_friction_##word.grip)                                                                                \
             put_slider(b, k, scree_friction_##word.grip(constants, of_pair, at));                                      \
         else                                                                                                           \
@@ -148,8 +149,8 @@ SCREE_FRICTION_LAWS(FRICTION_PASS)
 static void begin_stretches(const struct block *b, int count, double step, double *const *kept) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        struct vec s = get_kept(kept, k), slip = vec(b->slip[0][k], b->slip[1][k], b->slip[2][k]);
-        double since = scree_since_touch(b->met[k], b->closing[k], step);
+        struct vec s = get_kept(kept, k), slip = slip_at(b, k);
+        double since = scree_since_touch(b->half_steps_in[k], b->closing[k], step);
         since = fabs(s.x) + fabs(s.y) + fabs(s.z) > 0.0 ? 0.0 : since;
         put_kept(kept, k, vec_axpy(s, since, slip));
     }
@@ -172,7 +173,8 @@ static void share_sliders(struct block *b, int count) {
 static void end_sliders(struct block *b, int count, double *const *kept) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        struct scree_slider slider = {0.0, 0.0, b->gone[k], b->goes[k], b->stays[k], {b->holds[k], 0.0}};
+        struct scree_slider slider = {
+            .gone = b->gone[k], .goes = b->goes[k], .stays = b->stays[k], .bears = {b->holds[k], 0.0}};
         put_friction(
             b, k, kept, 1,
             scree_slider_end(slider, get(b->trial, k), b->size[k], b->borne[k], get_kept(kept, k), get(b->slip, k)));
@@ -192,9 +194,9 @@ static void begin_turning(const struct block *b, int count, double step, const d
                           double *const *own) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
-        struct vec s = get_kept(own, k), n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
+        struct vec s = get_kept(own, k), n = normal_at(b, k);
         struct vec velocity = turning_at(b, k, pair[SCREE_PAIR_LEVER][k]);
-        double since = scree_since_touch(b->met[k], b->closing[k], step), along = vec_dot(velocity, n);
+        double since = scree_since_touch(b->half_steps_in[k], b->closing[k], step), along = vec_dot(velocity, n);
         since = fabs(s.x) + fabs(s.y) + fabs(s.z) + fabs(own[4][k]) > 0.0 ? 0.0 : since;
         put_kept(own, k, vec_axpy(s, since, vec_axpy(velocity, -along, n)));
         own[4][k] += since * along;
@@ -205,7 +207,7 @@ static void begin_turning(const struct block *b, int count, double step, const d
 #define ROLLING_PASS(word)                                                                                             \
     static SCREE_INLINE void rolling_at_##word(struct block *b, int k, const struct scree_law_constants *constants,    \
                                                double lever, double *const *own, double half, int bare) {              \
-        struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), velocity = turning_at(b, k, lever);                    \
+        struct vec n = normal_at(b, k), velocity = turning_at(b, k, lever);                                            \
         double along = vec_dot(velocity, n);                                                                           \
         struct scree_sliding rolling = {.normal = b->force[k] > 0.0 ? b->force[k] : 0.0,                               \
                                         .overlap = b->overlap[k],                                                      \
@@ -276,7 +278,7 @@ static void pack(const double *state, int count, unsigned char *slides) {
 static void lean_stretches(const struct block *b, int count, double *const *kept) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++)
-        put_kept(kept, k, scree_into_tangent_plane(get_kept(kept, k), vec(b->n[0][k], b->n[1][k], b->n[2][k])));
+        put_kept(kept, k, scree_into_tangent_plane(get_kept(kept, k), normal_at(b, k)));
 }
 
 /* What is the same for all blocks of a run of contacts, and where the columns of the next block are. */
@@ -284,8 +286,10 @@ struct work {
     const struct scree_batch *batch;
     const struct scree_rule *rule;
     struct wants wants;
-    int balls, rubs, slides; /* of two; with friction or rolling; with a slider of several passes */
-    int in_force;            /* friction keeps a force */
+    int balls;    /* both are balls */
+    int rubs;     /* with friction or rolling */
+    int slides;   /* friction goes through the passes of a slider */
+    int in_force; /* friction keeps a force */
     const double *pair[SCREE_PAIR_COLUMNS];
     double *kept[SCREE_MEMORY];
 };
@@ -297,16 +301,17 @@ static inline struct work work_on(const struct scree_contacts *contacts, const s
     const struct scree_friction_law *friction = rule->friction >= 0 ? scree_friction_laws[rule->friction] : NULL;
     struct sizes sizes = {scree_goes_even(bodies, batch, rule->rolling >= 0), bodies->even + bodies->even,
                           bodies->spin[batch->ends[first].ball].limit};
-    return (struct work){.batch = batch,
-                         .rule = rule,
-                         .wants = {.step = step,
-                                   .sizes = sizes,
-                                   .rooted = scree_normal_laws[rule->normal]->rooted || (friction && friction->rooted),
-                                   .remembers = friction && friction->memory},
-                         .balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE,
-                         .rubs = friction || rule->rolling >= 0,
-                         .slides = friction && friction->grip,
-                         .in_force = friction && friction->in_force};
+    return (struct work){
+        .batch = batch,
+        .rule = rule,
+        .wants = {.step = step,
+                  .sizes = sizes,
+                  .takes_roots = scree_normal_laws[rule->normal]->takes_roots || (friction && friction->takes_roots),
+                  .remembers = friction && friction->memory},
+        .balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE,
+        .rubs = friction || rule->rolling >= 0,
+        .slides = friction && friction->grip,
+        .in_force = friction && friction->in_force};
 }
 
 /* Contacts from `first` on. */
@@ -338,7 +343,7 @@ static uint32_t begin_forces(const struct work *w, struct block *b, int count) {
     double half = 0.5 * w->wants.step, share = grown_share(w);
     uint32_t begins = 0;
     for (int k = 0; k < count; k++) {
-        double met = b->met[k];
+        double met = b->half_steps_in[k];
         if (!(met > 0.0 && met <= 2.0 && b->closing[k] > 0.0) || vec_norm2(get_kept(w->kept, k)) > 0.0) continue;
         double since_touch = share * met * stiffness_at(w, b, k, 0.0), by_law = stiffness_at(w, b, k, -0.5);
         put_kept(w->kept, k, vec_scale(half * (since_touch - by_law), get(b->slip, k)));
@@ -352,8 +357,9 @@ static void end_forces(const struct work *w, struct block *b, int count, uint32_
     double half = 0.5 * w->wants.step, share = grown_share(w);
     for (int k = 0; k < count; k++)
         if (begins >> k & 1 && b->touching[k] > 0.0 && !(b->state[k] > 0.0))
-            put_kept(w->kept, k,
-                     kept_while(half * share * (b->met[k] + 1.0) * stiffness_at(w, b, k, 1.0), get(b->slip, k)));
+            put_kept(
+                w->kept, k,
+                kept_while(half * share * (b->half_steps_in[k] + 1.0) * stiffness_at(w, b, k, 1.0), get(b->slip, k)));
 }
 
 /* From gathered columns on, all passes but the last; `events`: as seen in meeting. */
@@ -365,7 +371,7 @@ static void press(struct work *w, int first, int count, int events, struct block
     if (events & CHANGES) share_out(count, step, b);
     if (w->balls && w->rubs)
         slide_balls(b, count, w->kept, w->wants);
-    else if (w->balls && w->wants.rooted)
+    else if (w->balls && w->wants.takes_roots)
         find_fourth_roots(b, count);
     else if (w->wants.remembers)
         lean_stretches(b, count, w->kept);

@@ -23,7 +23,7 @@ struct kick {
 
 static SCREE_INLINE struct kick kick_of(const struct block *b, int k, double step, int deeds) {
     struct kick kick = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]), j = vec_scale(b->force[k], n);
+    struct vec n = normal_at(b, k), j = vec_scale(b->force[k], n);
     if (deeds & RUBS) j = vec_add(j, vec(b->friction[0][k], b->friction[1][k], b->friction[2][k]));
     kick.impulse = j = vec_scale(step, j);
     if (deeds & TURNS && deeds & BALLS) {
@@ -32,7 +32,7 @@ static SCREE_INLINE struct kick kick_of(const struct block *b, int k, double ste
         kick.turn_host = vec_scale(-b->lever[1][k], turn);
     } else if (deeds & TURNS) {
         struct vec arm = vec(b->arm[0][k], b->arm[1][k], b->arm[2][k]);
-        struct vec reach = vec_add(arm, vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]));
+        struct vec reach = vec_add(arm, shift_at(b, k));
         kick.turn_ball = vec_cross(arm, j);
         kick.turn_host = vec_cross(j, reach);
     }
@@ -96,9 +96,9 @@ static void write_yield(const struct block *b, int count, const struct scree_bat
         yield->steep[k] = 0.0;
     }
     if (batch->slope == 0.0) return;
-    /* A ball's rotation makes it 3.5 times as soft as its mass, four corners that share a load four times. */
     _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) yield->steep[k] = step * batch->slope * b->force[k] * (4.0 * b->rush[3][k]);
+    for (int k = 0; k < padded(count); k++)
+        yield->steep[k] = scree_steepness(step * b->force[k], batch->slope, b->rush[3][k]);
 }
 
 static void measure_losses(const struct block *b, int count, const struct scree_rule *rule, double step,
@@ -132,7 +132,7 @@ static SCREE_INLINE void make_kicks(const struct block *b, int count, double ste
     for (int k = 0; k < padded(count); k++) {
         struct kick kick = kick_of(b, k, step, deeds);
         put(kicks->impulse, k, kick.impulse);
-        struct vec n = vec(b->n[0][k], b->n[1][k], b->n[2][k]);
+        struct vec n = normal_at(b, k);
         put(kicks->turn_ball, k, by_levers(deeds) ? vec_cross(n, kick.impulse) : kick.turn_ball);
         if (!by_levers(deeds)) put(kicks->turn_host, k, vec_scale(-1.0, kick.turn_host));
     }

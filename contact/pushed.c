@@ -21,12 +21,12 @@ void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int t
 
 /* One after the other: the move of scree_loop. */
 int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
-                                const unsigned char *lent, int only) {
+                                const unsigned char *lent, int wanted) {
     scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
     double fall = vec_norm(vec_from(go->next_gravity));
     int too_far = 0;
     for (int k = from; k < to; k++) {
-        if (bodies->class[k] != SCREE_CLASS_BALL || (lent && lent[k] != only)) continue;
+        if (bodies->class[k] != SCREE_CLASS_BALL || (lent && lent[k] != wanted)) continue;
         if (go->ahead)
             too_far |= scree_ball_move_by_moments(bodies, k, go->step, gravity, next, fall, go->margin, go->now);
         else

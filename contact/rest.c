@@ -285,7 +285,7 @@ void scree_rest_look(struct scree_contacts *contacts, struct scree_bodies *bodie
         }
         if (!may_sleep(bodies, k)) continue;
         const struct scree_record *record = &bodies->record[k];
-        double speed = vec_norm(vec_from(record->v)) + record->bound * vec_norm(scree_spin_of(bodies, k));
+        double speed = scree_fastest_point(bodies, k);
         int drifts = speed > 0.0 && vec_norm2(vec_from(record->f)) == 0.0; /* nothing holds it */
         int calm = speed < rest->speed && !drifts ? bodies->calm[k] + 1 : 0;
         bodies->calm[k] = (unsigned char)(calm < ENOUGH ? calm : ENOUGH);

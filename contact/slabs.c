@@ -78,9 +78,9 @@ static void widen_gate(const struct scree_batch *batch, int from, int to, int en
     for (int c = from; c < to; c++) {
         const struct scree_ends *contact = &batch->ends[c];
         int later = contact->ball > contact->host ? contact->ball : contact->host, beyond = later >= end;
-        if (!beyond && later > gate->own) gate->own = later;
-        if (beyond && later > gate->next) gate->next = later;
-        if (beyond && later < gate->left) gate->left = later;
+        if (!beyond && later > gate->last_own) gate->last_own = later;
+        if (beyond && later > gate->last_next) gate->last_next = later;
+        if (beyond && later < gate->first_next) gate->first_next = later;
     }
 }
 
@@ -99,28 +99,31 @@ static void find_gates(const struct slabs *all, int slab) {
     int strips = 0, from = batch ? batch->segment[1 + slab].first : 0;
     for (int place = start[0]; place < start[1]; strips++) {
         place = end_of_strip(all, slab, place);
-        so_far.left = INT_MAX;
-        if (place - 1 > so_far.own) so_far.own = place - 1; /* the strip's bodies move on */
+        so_far.first_next = INT_MAX;
+        if (place - 1 > so_far.last_own) so_far.last_own = place - 1; /* the strip's bodies move on */
         int to = batch ? end_of_piece(batch, &batch->segment[1 + slab], from, place) : from;
         widen_gate(batch, from, to, start[1], &so_far);
         gate[strips] = so_far;
         from = to;
     }
     for (int strip = strips - 2; strip >= 0; strip--)
-        if (gate[strip + 1].left < gate[strip].left) gate[strip].left = gate[strip + 1].left;
+        if (gate[strip + 1].first_next < gate[strip].first_next) gate[strip].first_next = gate[strip + 1].first_next;
     all->contacts->gated[slab] = 1;
 }
 
 /* Until a slab has passed a place by: for a short while without asking the system. */
 static void wait_for(const atomic_int *front, int place) {
     enum { TRIES = 256 };
-    for (int tries = 0; atomic_load_explicit(front, memory_order_acquire) <= place; tries++)
-        if (tries >= TRIES) sched_yield();
+    for (int tries = 0; atomic_load_explicit(front, memory_order_acquire) <= place;)
+        if (tries < TRIES)
+            tries++;
+        else
+            sched_yield();
 }
 
 static void wait_at(struct slabs *all, int slab, struct scree_gate gate) {
-    if (!begins_stretch(slab)) wait_for(&all->front[slab - 1].next, gate.own);
-    if (ends_stretch(all, slab)) wait_for(&all->front[slab + 1].own, gate.next);
+    if (!begins_stretch(slab)) wait_for(&all->front[slab - 1].next, gate.last_own);
+    if (ends_stretch(all, slab)) wait_for(&all->front[slab + 1].own, gate.last_next);
 }
 
 static void tell(struct slabs *all, int slab, int own, int next) {
@@ -144,16 +147,18 @@ static void act_batches(const struct slabs *all, int slab, int of_balls, struct 
     }
 }
 
-/* Members before place `to` have all their impulses: on they go; `lent`: those that wait, or (`only`) those that have
- * waited. */
-static void move_up(const struct slabs *all, int from, int to, const unsigned char *lent, int only,
+/* Members before place `to` have all their impulses: on they go; `lent`: those that needn't wait (`wanted` 0), or
+ * those that have waited (1). */
+static void move_up(const struct slabs *all, int from, int to, const unsigned char *lent, int wanted,
                     struct scree_tally *tally) {
-    if (all->go && from < to) tally->too_far |= all->contacts->loop->move(all->bodies, from, to, all->go, lent, only);
+    if (all->go && from < to) tally->too_far |= all->contacts->loop->move(all->bodies, from, to, all->go, lent, wanted);
 }
 
 /* Up to where the bodies lent by the next slab have all their impulses, too: no contact to come touches them, and that
  * slab has passed them by. */
-static int end_of_lent(struct scree_gate gate, int left) { return left <= gate.next ? left : gate.next + 1; }
+static int end_of_lent(struct scree_gate gate, int first_next) {
+    return first_next <= gate.last_next ? first_next : gate.last_next + 1;
+}
 
 static void act_strips(struct slabs *all, int slab, int at_border, const unsigned char *lent,
                        struct scree_tally *tally) {
@@ -166,17 +171,18 @@ static void act_strips(struct slabs *all, int slab, int at_border, const unsigne
     if (!all->contacts->gated[slab]) find_gates(all, slab);
     for (int place = start[0], to; place < start[1]; place = to, gate++) {
         to = end_of_strip(all, slab, place);
-        int next = batch ? end_of_piece(batch, segment, from, to) : from, left = to < start[1] ? gate[1].left : INT_MAX;
+        int next = batch ? end_of_piece(batch, segment, from, to) : from;
+        int first_next = to < start[1] ? gate[1].first_next : INT_MAX;
         trail.behind = segment->first + segment->count - next;
         wait_at(all, slab, *gate);
         if (next > from)
             all->work(all->argument, all->contacts, all->bodies, batch, from, next - from, all->step, tally, &trail);
         from = next;
         move_up(all, place, to, lent, 0, tally);
-        tell(all, slab, to, left);
-        if (!ends_stretch(all, slab) || end_of_lent(*gate, left) <= returned) continue;
-        move_up(all, returned, end_of_lent(*gate, left), all->contacts->lent, 1, tally);
-        returned = end_of_lent(*gate, left);
+        tell(all, slab, to, first_next);
+        if (!ends_stretch(all, slab) || end_of_lent(*gate, first_next) <= returned) continue;
+        move_up(all, returned, end_of_lent(*gate, first_next), all->contacts->lent, 1, tally);
+        returned = end_of_lent(*gate, first_next);
     }
 }
 
@@ -192,7 +198,12 @@ static void act_slab(struct slabs *all, int slab, int at_border) {
     struct scree_contacts *contacts = all->contacts;
     struct scree_tally *tally = &contacts->tally[1 + slab];
     const unsigned char *lent = slab > 0 && begins_stretch(slab) ? contacts->lent : NULL;
-    *tally = (struct scree_tally){0.0, 0.0, contacts->deepest, contacts->steepest, -1, -1, -1, -1, 0};
+    *tally = (struct scree_tally){.deepest = contacts->deepest,
+                                  .steepest = contacts->steepest,
+                                  .deepest_ball = -1,
+                                  .deepest_host = -1,
+                                  .steepest_ball = -1,
+                                  .steepest_host = -1};
     if (begins_stretch(slab)) act_batches(all, slab, 0, tally);
     if (slab + 1 < all->slabs && !begins_stretch(slab + 1)) act_batches(all, slab + 1, 0, tally);
     if (goes_whole(all))

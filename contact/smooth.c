@@ -31,7 +31,7 @@ static int all_stick(const struct course *c, int from) { return !any_of(c->slide
 #define SMOOTH_PASS(name, ...)                                                                                         \
     __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, double step, \
                                                              int asked, int count, struct course *c,                   \
-                                                             struct motion *m) {                                       \
+                                                             struct lane_constants *m) {                               \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         if (laws.none) return;                                                                                         \
         double deeper[SCREE_LANES];                                                                                    \
@@ -39,8 +39,9 @@ static int all_stick(const struct course *c, int from) { return !any_of(c->slide
         for (int from = 0; from < padded(count); from += WIDTH)                                                        \
             if (any_of(deeper, from)) SMOOTH_VECTOR(rate_lane(laws, rule, slope, step, asked, 1, k, c, m);)            \
     }                                                                                                                  \
-    __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct motion *m, int count,  \
-                                                          double step, struct course *c, struct stride *to) {          \
+    __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct lane_constants *m,     \
+                                                          int count, double step, struct course *c,                    \
+                                                          struct rk_step *to) {                                        \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         const struct scree_rule constants = *rule;                                                                     \
         struct smooth_laws sticking = laws;                                                                            \
@@ -52,9 +53,9 @@ static int all_stick(const struct course *c, int from) { return !any_of(c->slide
             else                                                                                                       \
                 SMOOTH_VECTOR(step_lane(laws, &constants, m, k, step, c, to);)                                         \
     }                                                                                                                  \
-    __attribute__((flatten)) static void smooth_tick_##name(const struct scree_rule *rule, struct motion *m,           \
+    __attribute__((flatten)) static void smooth_tick_##name(const struct scree_rule *rule, struct lane_constants *m,   \
                                                             int count, double step, struct course *c,                  \
-                                                            struct stride *to) {                                       \
+                                                            struct rk_step *to) {                                      \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         const struct scree_rule constants = *rule;                                                                     \
         if (laws.none || laws.root < 2) return;                                                                        \
@@ -205,7 +206,8 @@ static void drive_smooth(struct smooth_block *s, int count, double step, struct 
 }
 
 /* Energy in the normal direction that a contact gives back, J. */
-static double stored_at(const struct scree_rule *rule, const struct motion *m, int k, double overlap, double closing) {
+static double stored_at(const struct scree_rule *rule, const struct lane_constants *m, int k, double overlap,
+                        double closing) {
     struct scree_pair_constants pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
     struct scree_pressing at = scree_pressed(overlap, closing, 0.0, 0.0);
     return overlap > 0.0 ? scree_normal_laws[rule->normal]->stored(&rule->normal_constants, pair, at) : 0.0;
@@ -215,7 +217,7 @@ static double stored_at(const struct scree_rule *rule, const struct motion *m, i
  * stored by it. What is stored in an overlap whose force is over is lost by the time that it has gone. */
 static void book_losses(const struct smooth_pass *pass, struct smooth_block *s, int count, struct scree_yield *yield) {
     const struct course *c = &s->x.c;
-    const struct motion *m = &s->x.m;
+    const struct lane_constants *m = &s->x.m;
     for (int k = 0; pass->books && k < count; k++) {
         double d = s->b.overlap[k], u = -vec_dot(get(s->b.rush, k), get(s->b.n, k));
         double work = (m->closing[k] * (c->d[k] - d) - 0.5 * (c->u[k] - u) * (c->u[k] + u)) / m->give[k];
@@ -228,9 +230,9 @@ static void book_losses(const struct smooth_pass *pass, struct smooth_block *s, 
 /* Depths, slopes, and levers. */
 static SCREE_INLINE void rate_contact(struct smooth_block *s, int k, int turns, struct sizes sizes, double slope,
                                       struct scree_yield *yield) {
-    double steep = slope * 4.0 * s->b.rush[3][k] * vec_dot(get(yield->impulse, k), get(s->at.later_n, k));
+    double impulse = vec_dot(get(yield->impulse, k), get(s->at.later_n, k));
     yield->depth[k] = s->b.overlap[k] / limit_of(&s->b, k, sizes);
-    yield->steep[k] = slope > 0.0 ? steep : 0.0;
+    yield->steep[k] = slope > 0.0 ? scree_steepness(impulse, slope, s->b.rush[3][k]) : 0.0;
     yield->lasts[k] = s->x.c.d[k] > 0.0 ? 1.0 : 0.0;
     if (!turns) return;
     struct vec rub = get(s->x.c.rub, k);
@@ -318,8 +320,7 @@ static int count_touched(const struct scree_batch *batch, int first, int count) 
 
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
 static int far_apart(const struct scree_bodies *now, const struct scree_batch *batch, int index) {
-    for (int m = 0; m < SCREE_PAST; m++)
-        if (batch->past[m][index] != 0.0) return 0;
+    if (scree_keeps_something(batch, index)) return 0;
     struct scree_contact own = scree_contact_at(batch, index), *contact = &own;
     const struct scree_record *ball = &now->record[contact->ball], *host = &now->record[contact->host];
     double range = now->push[contact->ball].along[3] + now->push[contact->host].along[3];
@@ -330,8 +331,6 @@ static int far_apart(const struct scree_bodies *now, const struct scree_batch *b
         double square = vec_norm2(scree_apart(now, contact, batch->geometry));
         if (!(square > reach * reach) || !(square > (reach + range) * (reach + range))) return 0;
     }
-    for (int m = 0; m < SCREE_MEMORY; m++)
-        if (scree_kept(batch, m, index) != 0.0) return 0;
     return 1;
 }
 

@@ -107,9 +107,6 @@ double scree_adaptive_error(struct scree_scene *scene, double time);
 
 /* ---- course.c ---- */
 
-/* Rates, views and switch functions at the start of a step, after something has changed. */
-void scree_adaptive_look(struct scree_scene *scene);
-
 /* Integrate attitudes alone, for so many seconds in which nothing touches; nonzero, and reported, if that can't be
  * done. */
 int scree_adaptive_turn(struct scree_scene *scene, double time);

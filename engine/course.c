@@ -72,7 +72,8 @@ static void set_advancing(struct scree_scene *scene) {
     }
 }
 
-void scree_adaptive_look(struct scree_scene *scene) {
+/* Rates, views and switch functions at the start of a step, after something has changed. */
+static void look_at_start(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     a->every = 1;
     scree_adaptive_rates(scene, a->y, a->work.k[0]);
@@ -437,7 +438,7 @@ static scree_status integrate(struct scree_scene *scene) {
             a->earliest = fmax(a->start + c.segment, nextafter(a->limit, HUGE_VAL));
             begin_segment(scene, &c);
         }
-        if (c.fresh) scree_adaptive_look(scene);
+        if (c.fresh) look_at_start(scene);
         c.fresh = 0;
         int flown = fly(scene, &c);
         if (flown < 0) status = scene->trouble.status;

@@ -166,12 +166,8 @@ scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy) {
     energy->balance = energy->kinetic + energy->rotational + energy->potential + energy->stored + energy->lost_normal +
                       energy->lost_tangential - energy->driven - scene->first_energy;
     if (isfinite(energy->balance)) return SCREE_OK;
-    scree_report(&scene->trouble, SCREE_FAILED, NULL,
-                 "stopped at t = %.9g s: what contacts took or drives gave is beyond what numbers hold",
-                 scree_scene_time(scene));
-    scene->trouble.time = scree_scene_time(scene);
-    scene->trouble.body = scene->trouble.other = -1;
-    return SCREE_FAILED;
+    return scree_scene_stop(scene, scree_scene_time(scene), -1, -1,
+                            "what contacts took or drives gave is beyond what numbers hold");
 }
 
 static scree_contact_state contact_state(const scree_scene *scene, const struct scree_touch *touch) {

@@ -231,9 +231,10 @@ static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
                             "body \"%s\" is driven by a motion that isn't there", def->name);
     if (wall && scree_joint_can_move(joint))
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
-                            "body \"%s\" is a %s: it has no mass, so each direction must be fixed or driven", def->name,
-                            scree_shape_name(def->shape.kind));
+        return scree_report(
+            &scene->trouble, SCREE_BAD_INPUT, "joint",
+            "body \"%s\" is a %s: it has no mass, so each direction must be fixed or driven (others = \"fixed\")",
+            def->name, scree_shape_name(def->shape.kind));
     if (moving_free)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "velocity",
                             "body \"%s\" has a velocity along a direction that its joint fixes or drives", def->name);
@@ -367,6 +368,8 @@ scree_status scree_scene_add_spheres(scree_scene *scene, const scree_spheres_def
     if (def->count < 1 || def->count > INT_MAX - scene->defs)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "count", "a group of spheres has at least one, got %d",
                             def->count);
+    if (!def->positions)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "positions", "a group of spheres needs positions");
     if (def->first_number < 0 || def->first_number > INT_MAX - def->count)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "first_number", "spheres can't be numbered from %d on",
                             def->first_number);

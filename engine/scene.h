@@ -146,7 +146,7 @@ double scree_radius_of_pair(const struct scree_bodies *bodies, int i, int j);
 /* Whether all three numbers are finite. */
 int scree_is_finite(const double a[3]);
 
-/* Report that the run went wrong in body `body` (and `other`, -1: none) at `time`; SCREE_FAILED. */
+/* Report that the run went wrong in body `body` (and `other`; -1: none) at `time`; SCREE_FAILED. */
 scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, int other, const char *cause);
 
 /* Stop if some overlap has grown too large. */

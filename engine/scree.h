@@ -46,10 +46,13 @@ typedef enum scree_integrator {
      * if all that forces move are spheres, 1000 at most (few bodies whose every impact counts), and Verlet otherwise,
      * or if bodies may sleep. */
     SCREE_ANY_INTEGRATOR = 0,
-    SCREE_VERLET,       /* position Verlet with predicted velocities; second order */
+    SCREE_VERLET,       /* position Verlet with predicted velocities (Tuckerman, Berne & Martyna, J. Chem. Phys. 97
+                           (1992) 1990); second order */
     SCREE_PAIR_IMPULSE, /* each contact integrates its own motion inside the step, its begin and end located: more
                            digits from the same step for damped contacts, at several times the cost; second order */
-    SCREE_ADAPTIVE, /* the whole scene by a method of order 8 to a tolerance, every event located: for small scenes */
+    SCREE_ADAPTIVE,     /* the whole scene to a tolerance, every event located, by Dormand & Prince's method of order 8
+                           (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, II.10): for small
+                           scenes */
 } scree_integrator;
 
 /* What becomes of a run that goes wrong (scree_scene_step says when). */
@@ -62,19 +65,21 @@ typedef enum scree_watch {
 } scree_watch;
 
 typedef struct scree_time_def {
-    double step;   /* s; 0: chosen from the stiffest possible contact (1/50 of its duration), less so that
+    double step;   /* s, >= 0; 0: chosen from the stiffest possible contact (1/50 of its duration), less so that
                      `divide` is a whole number of steps. SCREE_ADAPTIVE chooses its own steps within this one: 0 makes it
                      `divide`, the time between rows */
-    double divide; /* s; 0: no such wish */
+    double divide; /* s, >= 0; 0: no such wish */
     /* Instead of a step: the largest error of a rebound velocity (normal, and of the contact point sideways) of one
      * impact of a sphere, in parts of the impact speed, over phases of first touch; 1e-6 to 0.1, 0: no such wish. Trial
-     * impacts at `speed` find the step for every contact that bodies of the scene can meet under. */
+     * impacts at `speed` find the step for every contact that bodies of the scene can meet under. Refused together with
+     * a step, and with SCREE_ADAPTIVE. */
     double accuracy;
     scree_integrator integrator;
     /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as
      * many, with friction twice where needed. */
     int substeps;
-    double speed;     /* m/s, largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
+    double
+        speed; /* m/s, >= 0: largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
     double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
     int no_flight;    /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at
                          once */
@@ -84,7 +89,7 @@ typedef struct scree_time_def {
     double sleep;
     int force; /* accept a step beyond the stability limit */
     scree_watch watch;
-    int threads; /* 0: 1 */
+    int threads; /* 1 to 1024; 0: 1 */
     int energy;  /* keep the energy books (scree_scene_energy) */
 } scree_time_def;
 
@@ -94,10 +99,10 @@ typedef struct scree_spheres_def {
     int first_number; /* … or from this number on, > 0; 0: 1 */
     int material;     /* index returned by scree_scene_add_material */
     scree_joint joint;
-    int count;
-    const double (*positions)[3]; /* of the centres, m */
-    double radius;                /* m; counts without `radii` */
-    const double *radii;
+    int count;                                  /* >= 1; each array has so many entries */
+    const double (*positions)[3];               /* of the centres, m; needed */
+    double radius;                              /* m; counts without `radii` */
+    const double *radii;                        /* m; NULL: all have `radius` */
     const double *masses;                       /* kg; 0: by the material's density. NULL: all are by that */
     const double *velocity;                     /* of all, m/s; NULL: at rest */
     const double (*velocities)[3], (*spins)[3]; /* of each, m/s and rad/s; NULL: as said by `velocity`; no spin */
@@ -121,16 +126,16 @@ typedef enum scree_radii {
 typedef struct scree_generate_def {
     const char *name; /* they are called "name 1", "name 2", … */
     scree_generator kind;
-    int material;
+    int material; /* index returned by scree_scene_add_material */
     scree_joint joint;
     double min[3], max[3]; /* the box that holds them all, m */
     double radius[2];      /* least and largest, m; the second 0: all have the first */
     scree_radii radii;     /* how radii are spread between the two */
-    int count;             /* 0: as many as the lattice has whole cells in the box */
-    double spacing;        /* of a lattice, the width of its cells, m; 0: the largest diameter and twice the jitter */
-    double jitter;         /* m by which each coordinate is off the middle of the cell, at most */
-    uint64_t seed;         /* of jitter, radii and random places */
-    double velocity[3];    /* m/s */
+    int count;             /* >= 0; 0: as many as the lattice has whole cells in the box; SCREE_RANDOM: >= 1 */
+    double spacing; /* of a lattice, the width of its cells, m, >= 0; 0: the largest diameter and twice the jitter */
+    double jitter;  /* m by which each coordinate is off the middle of the cell, at most; >= 0 */
+    uint64_t seed;  /* of jitter, radii and random places */
+    double velocity[3]; /* m/s */
 } scree_generate_def;
 
 /* The box in which bodies start (their centres), and the axes along which it repeats itself for ever: what leaves on
@@ -173,21 +178,25 @@ SCREE_API int scree_scene_find_body(const scree_scene *scene, const char *name);
 /* Check the whole scene and make the plan; after it definitions can't change. SCREE_BAD_INPUT: bodies whose materials
  * could meet without a contact between them, bodies overlapping by more than half a half-width or so far from the
  * origin that places are too coarse there (a millionth of a half-width), a step beyond the stability limit of the
- * stiffest contact, an accuracy that steps can't reach; SCREE_NO_MEMORY. A scene whose baking has failed can only be
+ * stiffest contact, an accuracy that steps can't reach, no bodies, rolling laws between bodies that aren't spheres or
+ * walls, sleep while gravity tilts, SCREE_ADAPTIVE in a periodic domain or with laws or edges that it can't follow, a
+ * scene baked before; SCREE_NO_MEMORY. A scene whose baking has failed can only be
  * destroyed. */
 SCREE_API scree_status scree_scene_bake(scree_scene *scene);
 
-/* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. */
+/* Write the plan of a baked scene for people: what runs, what is skipped and why, the step and what dictated it. Of any
+ * other: that there is none. */
 SCREE_API void scree_scene_describe(const scree_scene *scene, FILE *file);
 
 /* How many bodies sleep. */
 SCREE_API int scree_scene_asleep(const scree_scene *scene);
 
-/* Advance by `steps` steps, 0 to 1e15. SCREE_FAILED: a number that isn't finite, an overlap beyond half a half-width, a
- * body faster than the list can follow; the trouble record names body, partner, time and cause, and the state is as it
- * was then, positions to their last digit but one. SCREE_NO_MEMORY: so it is then too; tried again, the step comes out
- * as if nothing had happened, and until then the scene can't be saved. If the watch has halved the step meanwhile, the
- * time reached is the same, after as many more steps. */
+/* Advance by `steps` steps, 0 to 1e15. SCREE_BAD_INPUT: so many aren't allowed, or the scene isn't baked. SCREE_FAILED:
+ * a number that isn't finite, an overlap beyond half a half-width, a body faster than the list can follow; the trouble
+ * record names body, partner, time and cause, and the state is as it was then, positions to their last digit but one.
+ * SCREE_NO_MEMORY: so it is then too; tried again, the step comes out as if nothing had happened, and until then the
+ * scene can't be saved. If the watch has halved the step meanwhile, the time reached is the same, after as many more
+ * steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
 
 /* A halving of the step: when the run went wrong and to where it went back, s; the new step, s; and the cause in
@@ -220,7 +229,8 @@ typedef struct scree_name {
 } scree_name;
 
 /* State, name, shape, material's name (it belongs to the scene), mass (kg; 0: none) and mobility (1: free or driven in
- * some direction) of body `index` (0 … count - 1; the name of others is empty). */
+ * some direction) of body `index`, 0 … count - 1. Of any other: all zero, with the orientation of the axes; an empty
+ * name; NULL. */
 SCREE_API scree_body_state scree_scene_body(const scree_scene *scene, int index);
 SCREE_API scree_name scree_scene_body_name(const scree_scene *scene, int index);
 SCREE_API scree_shape scree_scene_body_shape(const scree_scene *scene, int index);
@@ -232,14 +242,14 @@ SCREE_API int scree_scene_body_moves(const scree_scene *scene, int index);
  * lost_normal + lost_tangential - driven, less its value at the start; the error of the integration. */
 typedef struct scree_energy {
     double kinetic, rotational, potential; /* of what forces can change: driven and fixed directions are left out */
-    double stored;
-    double lost_normal, lost_tangential; /* dissipated in contacts; tangential: by friction and rolling resistance */
-    double driven;                       /* put in by prescribed motions and by tilting gravity */
+    double stored;                         /* in springs of contacts */
+    double lost_normal, lost_tangential;   /* dissipated in contacts; tangential: by friction and rolling resistance */
+    double driven;                         /* put in by prescribed motions and by tilting gravity */
     double balance;
 } scree_energy;
 
-/* All zero but kinetic, rotational, potential and stored unless scree_time_def.energy was set. SCREE_NO_MEMORY;
- * SCREE_FAILED if numbers don't hold them. */
+/* All zero but kinetic, rotational, potential and stored unless scree_time_def.energy was set. SCREE_BAD_INPUT: the
+ * scene isn't baked; SCREE_NO_MEMORY; SCREE_FAILED if numbers don't hold them. */
 SCREE_API scree_status scree_scene_energy(scree_scene *scene, scree_energy *energy);
 
 /* A contact that touches now. */
@@ -247,23 +257,24 @@ typedef struct scree_contact_state {
     int ball, host; /* bodies: the ball (a sphere or the corner of a box) and its partner */
     int corner;     /* 0 … 7: bits for +x, +y, +z; -1: a sphere; 8 + 12 i + j: edge i of the ball on edge j of
                      * its partner, 4 along each axis, bits for the signs along the two that follow it */
-    double point[3], normal[3];       /* normal from the host to the ball */
-    double overlap, closing, slip[3]; /* m, m/s, m/s */
+    double point[3], normal[3];       /* m; from the host to the ball, unit length */
+    double overlap, closing, slip[3]; /* m, m/s, m/s of the ball against the host */
     double normal_force, friction[3]; /* N, on the ball */
     double rolling[3];                /* torque of the rolling law on the ball, N m */
-    int sliding;                      /* for laws with memory */
+    int sliding;                      /* 1: it slides, by a law with memory; 0: it holds, or the law has none */
 } scree_contact_state;
 
 /* Contacts that touch now, at most `capacity` of them into `contacts` (may be NULL); `count` receives how many there
- * are. SCREE_NO_MEMORY. */
+ * are. SCREE_BAD_INPUT: the scene isn't baked; SCREE_NO_MEMORY. */
 SCREE_API scree_status scree_scene_contacts(scree_scene *scene, scree_contact_state *contacts, int capacity,
                                             int *count);
 
 /* Largest overlap so far in parts of the tolerable one (half a half-width); the bodies (-1: none), any may be NULL. */
 SCREE_API double scree_scene_deepest(const scree_scene *scene, int *ball, int *host);
 
-/* Largest product so far of step, normal force, inverse mass and slope of a velocity-regularised friction law: beyond
- * 1 friction overshoots within a step and the sliding velocity chatters about zero. 0 without such laws. */
+/* Largest product so far of four times the step (s), the normal force (N), the sum of both inverse masses (1/kg) and
+ * the slope (s/m) of a velocity-regularised friction or rolling law: beyond 1 friction overshoots within a step and the
+ * sliding velocity chatters about zero. 0 without such laws. The bodies (-1: none), any may be NULL. */
 SCREE_API double scree_scene_steepest(const scree_scene *scene, int *ball, int *host);
 
 /* What SCREE_ADAPTIVE has done so far: steps within the scene's own ones, those that were tried in vain, events (touch,
@@ -274,7 +285,8 @@ typedef struct scree_effort {
 } scree_effort;
 SCREE_API scree_effort scree_scene_effort(const scree_scene *scene);
 
-/* 64-bit hash (FNV-1a) of the state: steps, positions, velocities, angular momenta, attitudes, contact memory. */
+/* 64-bit hash (FNV-1a) of the state: steps, positions, velocities, angular momenta, attitudes, contact memory;
+ * with SCREE_PAIR_IMPULSE also the impulses of the last two steps. */
 SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);
 
 /* Write the state to a file (`name` for messages), and read it into a baked scene of the same definition, which then

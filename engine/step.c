@@ -11,10 +11,10 @@ int scree_scene_asleep(const scree_scene *scene) { return scene->contacts.rest.a
 long scree_scene_steps(const scree_scene *scene) { return scene->steps; }
 
 scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, int other, const char *cause) {
-    char with[160] = "";
+    char who[480] = "", with[160] = "";
     if (other >= 0) snprintf(with, sizeof with, " with \"%.120s\"", scree_name_of(scene, other).text);
-    scree_report(&scene->trouble, SCREE_FAILED, NULL, "stopped at t = %.9g s: body \"%s\"%s: %s", time,
-                 scree_name_of(scene, body).text, with, cause);
+    if (body >= 0) snprintf(who, sizeof who, "body \"%s\"%s: ", scree_name_of(scene, body).text, with);
+    scree_report(&scene->trouble, SCREE_FAILED, NULL, "stopped at t = %.9g s: %s%s", time, who, cause);
     scene->trouble.time = time;
     scene->trouble.body = body;
     scene->trouble.other = other;
@@ -53,7 +53,7 @@ static scree_status check_numbers(scree_scene *scene, const int *place, int coun
 /* Looked at from time to time: bodies that are too fast, where they are few in every step, and boxes that are deep in
  * each other. When is a function of the state, not of the lists, or else breaks and outputs would decide whether a run
  * stops. */
-enum { STEPS_TO_LOOK = 16, FEW = 64 };
+enum { STEPS_TO_LOOK = 16, LOOKED_AT_EVERY_STEP = 64 };
 
 static int is_look(const scree_scene *scene) { return scene->steps % STEPS_TO_LOOK == 0; }
 
@@ -109,7 +109,7 @@ static struct haste hastiest_of_many(const scree_scene *scene, const struct scre
 static scree_status check_haste(scree_scene *scene, const struct scree_bodies *now) {
     struct haste most = {scene->hasty, scene->hastiest};
     int count = scene->bodies.count;
-    most = count > FEW ? hastiest_of_many(scene, now, most) : hastiest(scene, now, 0, count, most);
+    most = count > LOOKED_AT_EVERY_STEP ? hastiest_of_many(scene, now, most) : hastiest(scene, now, 0, count, most);
     scene->hasty = most.most;
     scene->hastiest = most.body;
     if (!(scene->hasty > 1.0)) return SCREE_OK;
@@ -135,7 +135,8 @@ static scree_status renew_list(scree_scene *scene) {
 
 /* Lists that hold in this step; `now`: bodies whose speeds are no guesses. */
 static scree_status keep_lists(scree_scene *scene, const struct scree_bodies *now, int outgrown) {
-    scree_status status = is_look(scene) || scene->bodies.count <= FEW ? check_haste(scene, now) : SCREE_OK;
+    scree_status status =
+        is_look(scene) || scene->bodies.count <= LOOKED_AT_EVERY_STEP ? check_haste(scene, now) : SCREE_OK;
     if (!status && outgrown) status = renew_list(scene);
     if (!status && is_look(scene)) scree_contacts_note_boxes(&scene->contacts, &scene->bodies);
     return status;
@@ -215,8 +216,8 @@ static int look_ahead(scree_scene *scene, const double gravity[3]) {
     int count = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
     scene->ahead = 0;
     too_far |= scene->contacts.broken | scree_flights_over(&scene->contacts);
-    return too_far | scree_bodies_look_ahead_some(bodies, count, scree_scene_time(scene), scene->step, gravity,
-                                                  0.5 * scene->contacts.skin);
+    return too_far | scree_bodies_look_ahead(bodies, count, scree_scene_time(scene), scene->step, gravity,
+                                             0.5 * scene->contacts.skin);
 }
 
 /* Contacts, and then bodies: members of slabs move on while they are at hand, as far as the middle of the next step if
@@ -228,11 +229,10 @@ static void act_and_advance(scree_scene *scene, const double gravity[3], int mor
     int at_once = moves_at_once(scene);
     memcpy(go.gravity, gravity, sizeof go.gravity);
     scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
-    scene->too_far =
-        scree_contacts_act_and_move(&scene->contacts, bodies, step, threads_of(scene), at_once ? &go : NULL);
+    scene->too_far = scree_contacts_act(&scene->contacts, bodies, step, threads_of(scene), at_once ? &go : NULL);
     scene->ahead = at_once && more;
     if (scene->time.energy) book_drives(scene, time);
-    scree_bodies_advance_some(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
+    scree_bodies_advance(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
 }
 
 /* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than

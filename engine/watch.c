@@ -100,12 +100,10 @@ static scree_status check_books(scree_scene *scene) {
     if (status) return status;
     double gap = energy.balance - scene->watched.balance, share = gap_of(scene, &energy);
     if (share <= tolerable_gap) return SCREE_OK; /* a NaN isn't */
-    scree_report(&scene->trouble, SCREE_FAILED, NULL,
-                 "stopped at t = %.9g s: %.3g J of energy have %s, %.3g %% of what was turned over: too long a step",
-                 scree_scene_time(scene), fabs(gap), gap < 0.0 ? "vanished" : "come from nowhere", 100.0 * share);
-    scene->trouble.time = scree_scene_time(scene);
-    scene->trouble.body = scene->trouble.other = -1;
-    return SCREE_FAILED;
+    char cause[160];
+    snprintf(cause, sizeof cause, "%.3g J of energy have %s, %.3g %% of what was turned over: too long a step",
+             fabs(gap), gap < 0.0 ? "vanished" : "come from nowhere", 100.0 * share);
+    return scree_scene_stop(scene, scree_scene_time(scene), -1, -1, cause);
 }
 
 /* ---- back and on ---- */

@@ -16,7 +16,8 @@ const char *scree_map_text(enum scree_map_state state) {
     return texts[state];
 }
 
-scree_map_knot scree_map_knot_of(const scree_plan *plan) {
+/* Values of a plan, as a knot. */
+static scree_map_knot knot_of(const scree_plan *plan) {
     scree_map_knot knot = {.cycles = plan->cycles};
     double T = plan->duration;
     for (int k = 0; k < 3; k++) {
@@ -41,7 +42,7 @@ enum scree_map_state scree_map_add(scree_map *map, const scree_plan *plan) {
         memmove(&map->knots[place + 1], &map->knots[place], (size_t)(map->count - place) * sizeof *map->knots);
         map->count++;
     }
-    map->knots[place] = scree_map_knot_of(plan);
+    map->knots[place] = knot_of(plan);
     return SCREE_MAP_GOOD;
 }
 

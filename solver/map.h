@@ -43,9 +43,6 @@ enum scree_map_state {
 /* A text for people. */
 const char *scree_map_text(enum scree_map_state state);
 
-/* Values of a plan, as a knot. */
-scree_map_knot scree_map_knot_of(const scree_plan *plan);
-
 /* Put a plan's knot in its place; one of the same speed is replaced. The first sets stroke and share of the map. */
 enum scree_map_state scree_map_add(scree_map *map, const scree_plan *plan);
 

@@ -306,8 +306,8 @@ static struct scree_bodies make_one(const scree_body_def *def, double density) {
 
 static void step_alone(struct scree_bodies *bodies, long steps, double h, const double gravity[3]) {
     for (long k = 0; k < steps; k++) {
-        scree_bodies_look_ahead(bodies, (double)k * h, h, gravity, 1e9);
-        scree_bodies_advance(bodies, (double)k * h, h, gravity);
+        scree_bodies_look_ahead(bodies, bodies->count, (double)k * h, h, gravity, 1e9);
+        scree_bodies_advance(bodies, bodies->count, (double)k * h, h, gravity);
     }
 }
 
@@ -411,7 +411,7 @@ static void test_joints(void) {
     CLOSE(bodies.state[0].v[0], 1.875 * 0.5, 1e-13);
     NEAR(bodies.attitude[0].q[3], sin(0.5), 1e-14);
     CHECK(scree_bodies_spin(&bodies, 0, 0.5).z == 2.0 && bodies.record[0].inverse_mass == 0.0);
-    scree_bodies_look_ahead(&bodies, 0.5, 1e-3, gravity, 1e9);
+    scree_bodies_look_ahead(&bodies, bodies.count, 0.5, 1e-3, gravity, 1e9);
     CLOSE(bodies.record[0].v[0], scree_motion_at(&bodies.motion[0], 0.5005).velocity, 1e-15);
     scree_bodies_destroy(&bodies);
 }
@@ -431,11 +431,11 @@ static void test_path(void) {
             CHECK(vec_norm(vec_sub(now, vec_from(start[c]))) <= bodies.path[0] * (1.0 + 1e-6));
         }
     }
-    CHECK(scree_bodies_look_ahead(&bodies, 0.0, 1e-3, no_gravity, 0.1) == 1);
+    CHECK(scree_bodies_look_ahead(&bodies, bodies.count, 0.0, 1e-3, no_gravity, 0.1) == 1);
     bodies.path[0] = 0.0;
-    CHECK(scree_bodies_look_ahead(&bodies, 0.0, 1e-3, no_gravity, 0.1) == 0);
+    CHECK(scree_bodies_look_ahead(&bodies, bodies.count, 0.0, 1e-3, no_gravity, 0.1) == 0);
     bodies.state[0].v[1] = NAN;
-    CHECK(scree_bodies_look_ahead(&bodies, 0.0, 1e-3, no_gravity, 0.1) == 1);
+    CHECK(scree_bodies_look_ahead(&bodies, bodies.count, 0.0, 1e-3, no_gravity, 0.1) == 1);
     scree_bodies_destroy(&bodies);
 }
 

@@ -554,7 +554,7 @@ static void check_laws(const char *normal, const char *friction, const char *rol
         memset(scene->bodies.record[k].f, 0, sizeof scene->bodies.record[k].f);
         memset(scene->bodies.record[k].t, 0, sizeof scene->bodies.record[k].t);
     }
-    scree_bodies_look_ahead(&scene->bodies, 0.0, h, none, 1.0);
+    scree_bodies_look_ahead(&scene->bodies, scene->bodies.count, 0.0, h, none, 1.0);
     int compared = 0, bodies = scene->bodies.count;
     struct vec *impulse = calloc((size_t)bodies, sizeof *impulse), *turn = calloc((size_t)bodies, sizeof *turn);
     for (int b = 0; b < scene->contacts.batches; b++)
@@ -566,7 +566,7 @@ static void check_laws(const char *normal, const char *friction, const char *rol
             if (friction || rolling) turn[ball] = vec_add(turn[ball], turn_by_hand(scene, rule, b, k, h, j));
             compared += vec_norm(impulse[ball]) > 0.0;
         }
-    scree_contacts_act(&scene->contacts, &scene->bodies, h, 1);
+    scree_contacts_act(&scene->contacts, &scene->bodies, h, 1, NULL);
     for (int k = 0; k < bodies; k += 2) { /* balls are the lower of each pair */
         CHECK(memcmp(scene->bodies.record[k].f, &impulse[k], sizeof impulse[k]) == 0);
         CHECK(memcmp(scene->bodies.record[k].t, &turn[k], sizeof turn[k]) == 0);
@@ -589,7 +589,7 @@ static void check_remembering(const char *normal, int steps) {
     struct scree_normal_force expected[64];
     struct vec impulse[64];
     int compared[64], touching = 0;
-    scree_bodies_look_ahead(&scene->bodies, scree_scene_time(scene), h, none, 1.0);
+    scree_bodies_look_ahead(&scene->bodies, scene->bodies.count, scree_scene_time(scene), h, none, 1.0);
     int remembering = 0;
     for (int k = 0; k < batch->count; k++) {
         double first = scree_kept(batch, SCREE_KEPT_NORMAL, k), second = scree_kept(batch, SCREE_KEPT_NORMAL + 1, k);
@@ -607,7 +607,7 @@ static void check_remembering(const char *normal, int steps) {
         impulse[k] = touches ? vec_scale(h, vec_scale(touch.normal_force, touch.normal)) : vec(0.0, 0.0, 0.0);
         touching += touches;
     }
-    scree_contacts_act(&scene->contacts, &scene->bodies, h, 1);
+    scree_contacts_act(&scene->contacts, &scene->bodies, h, 1, NULL);
     for (int k = 0; k < batch->count; k++) {
         CHECK(scree_kept(batch, SCREE_KEPT_NORMAL, k) == expected[k].first);
         CHECK(scree_kept(batch, SCREE_KEPT_NORMAL + 1, k) == expected[k].second);

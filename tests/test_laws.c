@@ -144,6 +144,26 @@ static void test_shared(void) {
     CLOSE(4.0 * quarter.damping, all.damping, 1e-15);
 }
 
+/* Whatever is a force, or makes one, is shared out. */
+static int check_shared(const struct scree_law_text *text) {
+    int shared = 0;
+    for (const struct scree_parameter *p = text->parameters; p->name; p++) {
+        int forceful = strncmp(p->unit, "N", 1) == 0 || strncmp(p->unit, "Pa", 2) == 0 || strncmp(p->unit, "J", 1) == 0;
+        CHECK(p->shared == forceful);
+        if (p->shared != forceful) fprintf(stderr, "%s: %s in %s\n", text->name, p->name, p->unit);
+        shared += p->shared;
+    }
+    return shared;
+}
+
+static void test_all_shared(void) {
+    int shared[3] = {0, 0, 0};
+    for (int l = 0; scree_normal_laws[l]; l++) shared[0] += check_shared(&scree_normal_laws[l]->text);
+    for (int l = 0; scree_friction_laws[l]; l++) shared[1] += check_shared(&scree_friction_laws[l]->text);
+    for (int l = 0; scree_rolling_laws[l]; l++) shared[2] += check_shared(&scree_rolling_laws[l]->text);
+    CHECK(shared[0] > 0 && shared[1] > 0 && shared[2] > 0);
+}
+
 static void test_unit_values(void) {
     struct check_table *table = check_read("normal_force_unit_values.csv");
     for (int row = 0; row < table->rows; row++) {
@@ -468,6 +488,7 @@ int main(void) {
     test_linear_tables();
     test_ask_and_get();
     test_shared();
+    test_all_shared();
     test_unit_values();
     test_energy();
     test_friction_values();

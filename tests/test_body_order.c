@@ -284,7 +284,7 @@ static void check_gate(const struct scree_bodies *bodies, const struct scree_bat
         if (later >= end && k < scree_padded(through) && later > next) next = later;
         if (later >= end && k >= scree_padded(before) && later < left) left = later;
     }
-    CHECK(gate.own == own && gate.next == next && gate.left == left);
+    CHECK(gate.last_own == own && gate.last_next == next && gate.first_next == left);
 }
 
 /* Slabs wait for each other by gates: these are right for the lists as they are, after lists have been made and after
