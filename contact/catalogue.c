@@ -20,7 +20,7 @@ const struct scree_rolling_law *const scree_rolling_laws[] = {SCREE_ROLLING_LAWS
 #undef ENTRY
 
 /* What is the same of laws of any kind: their texts, in the order of the lists above. */
-enum kind { NORMAL, FRICTION, ROLLING };
+enum kind { NORMAL, FRICTION, ROLLING, KINDS };
 #define ENTRY(word) &scree_normal_##word.text,
 static const struct scree_law_text *const normal_texts[] = {SCREE_NORMAL_LAWS(ENTRY) NULL};
 #undef ENTRY
@@ -49,8 +49,13 @@ _Static_assert(sizeof normal_texts / sizeof *normal_texts <= MOST_LAWS, "more la
 static scree_status unknown_law(enum kind kind, const char *name, scree_trouble *trouble) {
     const char *names[MOST_LAWS] = {0};
     for (int k = 0; texts[kind][k]; k++) names[k] = texts[kind][k]->name;
+    for (int other = 0; other < KINDS; other++)
+        if (find_law((enum kind)other, name) >= 0)
+            return scree_report(trouble, SCREE_BAD_INPUT, "law", "\"%s\" is a %s law, no %s law", name, kinds[other],
+                                kinds[kind]);
+    struct scree_hint hint = scree_hint(name, names);
     return scree_report(trouble, SCREE_BAD_INPUT, "law", "there is no %s law called \"%s\"%s", kinds[kind], name,
-                        scree_hint(name, names).text);
+                        hint.text[0] ? hint.text : "; `scree laws` lists them");
 }
 
 const char *scree_range_text(enum scree_range range) {
@@ -112,6 +117,16 @@ scree_law_choice scree_example(const struct scree_law_text *text) {
     return choice;
 }
 
+/* The nearest name, or else all of them. */
+static struct scree_hint hint_or_list(const char *wrong, const char *const *names) {
+    struct scree_hint hint = scree_hint(wrong, names);
+    size_t used = 0;
+    if (hint.text[0]) return hint;
+    for (int k = 0; names[k] && used < sizeof hint.text; k++)
+        used += (size_t)snprintf(hint.text + used, sizeof hint.text - used, "%s%s", k ? ", " : "; it has ", names[k]);
+    return hint;
+}
+
 static scree_status read_settings(const struct scree_law_text *text, const scree_law_choice *choice,
                                   struct scree_values *values, scree_trouble *trouble) {
     if (choice->settings < 0 || choice->settings > SCREE_SETTINGS_MAX)
@@ -128,7 +143,7 @@ static scree_status read_settings(const struct scree_law_text *text, const scree
             const char *names[SCREE_PARAMETERS + 1] = {0};
             for (int p = 0; text->parameters[p].name; p++) names[p] = text->parameters[p].name;
             return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "the law \"%s\" has no parameter \"%s\"%s",
-                                text->name, setting->name, scree_hint(setting->name, names).text);
+                                text->name, setting->name, hint_or_list(setting->name, names).text);
         }
         const struct scree_parameter *parameter = &text->parameters[index];
         if (!isnan(values->v[index]))
@@ -294,7 +309,9 @@ static scree_status within(const char *part, scree_status status, scree_trouble 
 
 static scree_status bake_laws(const scree_contact_def *def, const struct scree_elastic *elastic,
                               struct scree_rule *rule, scree_trouble *trouble) {
-    scree_status status = within("normal", bake_normal(&def->normal, elastic, rule, trouble), trouble);
+    int needs_normal = !def->none || is_chosen(&def->normal);
+    scree_status status =
+        needs_normal ? within("normal", bake_normal(&def->normal, elastic, rule, trouble), trouble) : SCREE_OK;
     if (!status && is_chosen(&def->friction))
         status = within("friction", bake_friction(&def->friction, elastic, rule, trouble), trouble);
     if (!status && is_chosen(&def->rolling))
@@ -304,10 +321,9 @@ static scree_status bake_laws(const scree_contact_def *def, const struct scree_e
 
 scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_elastic *elastic, struct scree_rule *rule,
                              scree_trouble *trouble) {
-    *rule = (struct scree_rule){
+    const struct scree_rule nothing = {
         .material = {def->between[0], def->between[1]}, .friction = -1, .rolling = -1, .share = 1.0};
-    rule->touches = !def->none;
-    if (def->none) return SCREE_OK;
+    *rule = nothing;
     if (def->shared_by < 0)
         return scree_report(trouble, SCREE_BAD_INPUT, "shared_by", "shared_by must be a positive count, got %d",
                             def->shared_by);
@@ -323,7 +339,9 @@ scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_el
             return scree_report(trouble, SCREE_NO_MEMORY, "table", "no memory for a force table");
     }
     scree_status status = bake_laws(def, elastic, rule, trouble);
-    if (status) scree_free_rule(rule);
+    if (status || def->none) scree_free_rule(rule);
+    if (def->none) *rule = nothing; /* laws beside it have been looked at all the same */
+    rule->touches = !def->none;
     return status;
 }
 

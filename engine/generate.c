@@ -98,9 +98,12 @@ struct lattice {
 static scree_status plan_lattice(scree_scene *scene, const scree_generate_def *def, struct lattice *lattice,
                                  double *count) {
     double diameter = 2.0 * largest_radius(def), jitter = def->jitter, points = 1.0;
-    if (!(jitter >= 0.0) || !isfinite(jitter) || !(def->spacing >= 0.0) || !isfinite(def->spacing))
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "spacing",
-                            "spacing and jitter of \"%s\" must be positive lengths in m", def->name);
+    if (!(jitter >= 0.0) || !isfinite(jitter))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "jitter", "the jitter of \"%s\" must be >= 0 m, got %g",
+                            def->name, jitter);
+    if (!(def->spacing >= 0.0) || !isfinite(def->spacing))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "spacing", "the spacing of \"%s\" must be > 0 m, got %g",
+                            def->name, def->spacing);
     lattice->spacing = def->spacing > 0.0 ? def->spacing : diameter + 2.0 * jitter;
     double closest = lattice->spacing - 2.0 * jitter;
     /* 1e-12: lengths that fit exactly are given in decimals. */

@@ -219,7 +219,7 @@ scree_status scree_output_row(struct scree_output *output, scree_scene *scene, s
     return status;
 }
 
-static scree_status finish_state(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
+scree_status scree_output_state(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {
     scree_status status = scree_scene_save(scene, output->state.file, output->state.path);
     if (status) *trouble = *scree_scene_trouble(scene);
     return status ? status : scree_out_finish(&output->state, trouble);
@@ -272,7 +272,7 @@ scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, 
                                      &output->series, &output->spheres,  &output->state};
     size_t count = sizeof all / sizeof all[0];
     if (output->series.file) fputs(series_end, output->series.file);
-    scree_status status = finish_state(output, scene, trouble);
+    scree_status status = scree_output_state(output, scene, trouble);
     if (!status) status = finish_spheres(output, scene, trouble);
     for (size_t k = 0; !status && k < count; k++) status = scree_out_finish(all[k], trouble);
     if (!status) status = keep_frames(output, trouble);
@@ -280,13 +280,14 @@ scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, 
     return status;
 }
 
-void scree_output_drop(struct scree_output *output, int leave) {
+void scree_output_drop(struct scree_output *output, enum scree_rest_of_output rest) {
+    int leave = rest != SCREE_REMOVE;
     scree_out_drop(&output->bodies, leave);
     scree_out_drop(&output->contacts, leave);
     scree_out_drop(&output->energy, leave);
     scree_out_drop(&output->series, leave);
     scree_out_drop(&output->spheres, 0);
-    scree_out_drop(&output->state, 0);
+    scree_out_drop(&output->state, rest == SCREE_LEAVE_STATE);
     if (output->frames_part && !leave) scree_clear_folder(output->frames_part, is_frame);
     free(output->frames_part);
     free(output->touching);

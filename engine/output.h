@@ -27,8 +27,12 @@ scree_status scree_output_row(struct scree_output *output, scree_scene *scene, s
 /* Finish all files, and write final.state (and what is in spheres.csv) beside them. */
 scree_status scree_output_keep(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
 
-/* Close everything; what is unfinished stays under its temporary name (`leave`) or is removed. After a successful keep
- * it only frees memory. */
-void scree_output_drop(struct scree_output *output, int leave);
+/* Write the state alone, for a run that is broken off. */
+scree_status scree_output_state(struct scree_output *output, scree_scene *scene, scree_trouble *trouble);
+
+/* Close everything; what is unfinished is removed or stays under its temporary name, the state only if it has been
+ * written. After a successful keep it only frees memory. */
+enum scree_rest_of_output { SCREE_REMOVE, SCREE_LEAVE, SCREE_LEAVE_STATE };
+void scree_output_drop(struct scree_output *output, enum scree_rest_of_output rest);
 
 #endif

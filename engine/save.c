@@ -352,6 +352,7 @@ scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) 
     struct scalars scalars = scalars_of(scene);
     struct prints prints = prints_of(scene);
     long memories = count_memories(scene);
+    errno = 0;
     put(&s, magic, sizeof magic);
     put(&s, &byte_order_mark, sizeof byte_order_mark);
     put(&s, &prints, sizeof prints);
@@ -366,7 +367,8 @@ scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) 
     uint64_t hash = s.hash;
     put(&s, &hash, sizeof hash);
     if (s.failed || fflush(file) != 0)
-        return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: can't be written", name);
+        return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: %s", name,
+                            errno ? strerror(errno) : "can't be written");
     return SCREE_OK;
 }
 

@@ -72,7 +72,11 @@ static void read_law(struct scree_reader *r, const struct scree_toml *table, con
     if (!law) return;
     choice->law = scree_read_string(r, law, "law");
     if (!choice->law) {
-        scree_complain(r, law, "%s needs a law, such as { law = \"linear\", … }; `scree laws` lists them", key);
+        static const char *const examples[][2] = {{"friction", "coulomb"}, {"rolling", "constant"}};
+        const char *example = "linear";
+        for (int k = 0; k < 2; k++)
+            if (strcmp(key, examples[k][0]) == 0) example = examples[k][1];
+        scree_complain(r, law, "%s needs a law, such as { law = \"%s\", … }; `scree laws` lists them", key, example);
         return;
     }
     int measured = strcmp(choice->law, "table") == 0; /* then there are rows or a file, see read_forces */
@@ -120,20 +124,37 @@ static void fill_grid(struct scree_reader *r, const struct scree_toml *node, str
     f->grid = (scree_force_table){(int)(rows / speeds), (int)speeds, f->overlap, f->speed, force};
 }
 
-static void check_force_columns(struct scree_reader *r, const struct scree_toml *file,
-                                const struct scree_table *table) {
+static void check_force_columns(struct scree_reader *r, const char *path, const struct scree_table *table) {
     static const char *const names[] = {"overlap_m", "closing_m_s", "force_N", NULL};
     int seen[3] = {0};
     for (int k = 0; k < table->columns; k++) {
         int found = 0;
         while (found < 3 && strcmp(table->name[k], names[found]) != 0) found++;
         if (found == 3 || seen[found]++)
-            scree_complain(r, file,
-                           "a force table has the columns overlap_m, force_N and, if wanted, closing_m_s, not \"%s\"%s",
-                           table->name[k], scree_hint(table->name[k], names).text);
+            scree_complain_in_table(
+                r, path, table->header, table->at[k],
+                "a force table has the columns overlap_m, force_N and, if wanted, closing_m_s, not \"%s\"%s",
+                table->name[k], scree_hint(table->name[k], names).text);
     }
     if (!r->status && !(seen[0] && seen[2]))
-        scree_complain(r, file, "a force table needs the columns overlap_m and force_N");
+        scree_complain_in_table(r, path, table->header, 1, "a force table needs the columns overlap_m and force_N");
+}
+
+/* Of forces at one closing speed; what isn't a grid is told by fill_grid. */
+static void check_rise(struct scree_reader *r, const char *path, const struct scree_toml *rows,
+                       const struct scree_table *table) {
+    static const char text[] = "the overlaps of a force table must rise: row %zu has %g m after %g m";
+    const double *d = scree_table_column(table, "overlap");
+    const struct scree_toml *row = rows ? rows->first : NULL;
+    if (r->status || scree_table_column(table, "closing")) return;
+    for (size_t k = 1; k < table->rows && !r->status; k++) {
+        if (row) row = row->next;
+        if (d[k] > d[k - 1]) continue;
+        if (path)
+            scree_complain_in_table(r, path, 0, 0, text, k + 1, d[k], d[k - 1]);
+        else
+            scree_complain(r, row, text, k + 1, d[k], d[k - 1]);
+    }
 }
 
 static void read_forces(struct scree_reader *r, const struct scree_toml *law, struct forces *f) {
@@ -148,11 +169,12 @@ static void read_forces(struct scree_reader *r, const struct scree_toml *law, st
     if (file && !scree_read_string(r, law, "file")) return;
     int columns = rows && rows->first && rows->first->type == SCREE_TOML_ARRAY ? rows->first->count : 2;
     char *path = file ? scree_read_table_file(r, file, NULL, &f->columns) : NULL;
-    if (path) check_force_columns(r, file, &f->columns);
-    free(path);
+    if (path) check_force_columns(r, path, &f->columns);
     if (!file)
         scree_read_rows(r, rows, columns == 3 ? three : two, 2, "[overlap, force] or [overlap, closing speed, force]",
                         &f->columns);
+    check_rise(r, path, rows, &f->columns);
+    free(path);
     if (!r->status) fill_grid(r, file ? file : rows, f);
 }
 
@@ -414,7 +436,7 @@ static void read_time(struct scree_reader *r) {
     const struct scree_toml *substeps = scree_toml_get(table, "substeps");
     double pieces = substeps ? scree_read_number(r, table, "substeps", 0.0) : 0.0;
     if (substeps && def.integrator != SCREE_PAIR_IMPULSE)
-        scree_complain(r, substeps, "substeps goes with integrator = \"pair-impulse\"; it would be without effect");
+        scree_complain(r, substeps, "substeps goes with integrator = \"pair-impulse\", which must be asked for");
     if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
         scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
     def.substeps = r->status ? 0 : (int)pieces;

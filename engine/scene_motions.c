@@ -169,14 +169,15 @@ static void read_motion_table(struct scree_reader *r, const struct scree_toml *t
     if (law) def->table = (scree_table_law)scree_choose(r, law, "interpolation", laws);
 }
 
-/* Keys of each kind of motion, in the order of scree_motion_kind; `needs`: without it nothing would move. */
+/* Keys of each kind of motion, in the order of scree_motion_kind; and those that it needs. */
 static const struct {
-    const char *kind, *needs, *keys[9];
-} motion_kinds[] = {
-    {"velocity", "velocity", {"name", "kind", "offset", "start", "duration", "velocity"}},
-    {"rise", "stroke", {"name", "kind", "offset", "start", "duration", "stroke", "law"}},
-    {"sine", "amplitude", {"name", "kind", "offset", "start", "duration", "amplitude", "frequency", "phase"}},
-    {"table", NULL, {"name", "kind", "rows", "file", "axis", "interpolation"}}};
+    const char *kind, *needs[3], *keys[9];
+} motion_kinds[] = {{"velocity", {"velocity"}, {"name", "kind", "offset", "start", "duration", "velocity"}},
+                    {"rise", {"stroke", "duration"}, {"name", "kind", "offset", "start", "duration", "stroke", "law"}},
+                    {"sine",
+                     {"amplitude", "frequency"},
+                     {"name", "kind", "offset", "start", "duration", "amplitude", "frequency", "phase"}},
+                    {"table", {NULL}, {"name", "kind", "rows", "file", "axis", "interpolation"}}};
 
 /* The kind of a motion; its keys are checked: one of another kind would be without effect. */
 static scree_motion_kind read_motion_kind(struct scree_reader *r, const struct scree_toml *table) {
@@ -190,8 +191,12 @@ static scree_motion_kind read_motion_kind(struct scree_reader *r, const struct s
     char what[64];
     snprintf(what, sizeof what, "a [[motion]] of kind \"%s\"", kinds[index]);
     scree_check_keys(r, table, what, motion_kinds[index].keys);
-    const char *needs = motion_kinds[index].needs;
-    if (needs && !scree_toml_get(table, needs)) scree_complain(r, table, "%s needs %s", what, needs);
+    for (const char *const *needs = motion_kinds[index].needs; *needs; needs++)
+        if (!scree_toml_get(table, *needs)) scree_complain(r, table, "%s needs %s", what, *needs);
+    const struct scree_toml *duration = scree_toml_get(table, "duration");
+    if (duration && (duration->type == SCREE_TOML_INTEGER || duration->type == SCREE_TOML_FLOAT) &&
+        duration->number == 0.0)
+        scree_complain(r, duration, "duration must be > 0 s; left out, the motion goes on for ever");
     return (scree_motion_kind)index;
 }
 

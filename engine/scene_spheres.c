@@ -232,6 +232,9 @@ void scree_read_generate(struct scree_reader *r, const struct scree_toml *table)
     if (spread && (def.radius[1] == 0.0 || def.radius[1] == def.radius[0]))
         scree_complain(r, spread, "a distribution needs two radii: radius = [least, largest]");
     def.count = (int)read_whole(r, table, "count", 2147483647.0);
+    if (scree_toml_get(table, "count") && def.count == 0)
+        scree_complain(r, scree_toml_get(table, "count"),
+                       "count must be at least 1; left out, a lattice fills its box");
     def.seed = (uint64_t)read_whole(r, table, "seed", 9007199254740992.0);
     scree_read_numbers(r, table, "velocity", 3, def.velocity);
     scree_read_joint(r, table, &def.joint);

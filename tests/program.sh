@@ -41,6 +41,15 @@ check 'a sweep of too many points' 2 'whole number from 2' "$scree" impact --law
 check 'bad number' 2 'whole number' "$scree" run x.toml --threads two
 check 'two scenes' 2 'takes one scene file' "$scree" run a b
 
+check 'a wish with a sweep' 2 'goes with --law, --ball, --host and --speed only' "$scree" impact --law 'linear stiffness=1e5' --want damping=0.5 --sweep speed=1:2:3
+check 'a table of forces in an impact' 2 'only a scene file' "$scree" impact --law 'table file=forces.csv'
+check 'an impact too deep for a scene' 0 'a scene would be stopped there' "$scree" impact --law 'linear stiffness=100 damping=0' --speed 10
+check 'a law of another kind' 2 'is a normal law, no friction law' "$scree" check "$scenes/bounce.toml" --set 'contact.0.friction={law="linear"}'
+check 'a law without a like' 2 'scree laws' "$scree" impact --law qqq
+check 'a parameter without a like' 2 'it has stiffness, restitution, damping' "$scree" impact --law 'linear qqq=1'
+check 'a bad law that is not used' 2 'no normal law called' "$scree" check "$scenes/bounce.toml" --set contact.0.none=true --set 'contact.0.normal={law="nonsense"}'
+check 'an end between steps' 0 'steps (to 0.05001 s)' "$scree" check "$scenes/bounce.toml" --set time.end=0.05 --set time.step=3e-5
+
 check laws 0 'linear-loading' "$scree" laws
 check 'one law' 0 'restitution e wanted' "$scree" laws linear
 check 'no such law' 2 'did you mean "hunt-crossley"?' "$scree" laws hunt-crosley
@@ -344,6 +353,20 @@ threaded=$("$scree" run "$scenes/incline.toml" -o "$work/threads" --set time.end
 expect 'threads have the same hash' test "$whole" = "$threaded"
 silent=$("$scree" run "$scenes/incline.toml" -o "$work/silent" --set time.end=0.2 --set 'output.write=[]' 2>&1 | hash_of)
 expect 'without output the same hash' test "$whole" = "$silent"
+# Interrupted while it runs: the state of then goes on to the same end.
+"$scree" run "$scenes/bounce.toml" -o "$work/broken" --set time.end=1e5 --set output.every=10 --quiet 2>"$work/broken.text" &
+running=$!
+while [ ! -s "$work/broken/bodies.csv.part" ] && kill -0 $running 2>/dev/null; do sleep 0.05; done
+sleep 0.2
+kill -INT $running
+wait $running
+expect 'an interrupted run ends by its signal' test $? -eq 130
+expect 'an interrupted run says where' grep -q 'interrupted at t = .*final.state.part goes on from there' "$work/broken.text"
+expect 'an interrupted run keeps no results' test ! -e "$work/broken/bodies.csv" -a ! -e "$work/broken/final.state"
+end=$(sed -n 's/.*interrupted at t = \([0-9.e+-]*\) s.*/\1/p' "$work/broken.text" | awk '{ printf "%.9g", $1 + 0.1 }')
+whole=$("$scree" run "$scenes/bounce.toml" -o "$work/unbroken" --set time.end="$end" --set output.every=10 2>&1 | hash_of)
+resumed=$("$scree" run "$scenes/bounce.toml" -o "$work/mended" --set time.end="$end" --set output.every=10 --resume "$work/broken/final.state.part" 2>&1 | hash_of)
+expect 'an interrupted run goes on to the same end' test -n "$whole" -a "$whole" = "$resumed"
 check 'a resumed run goes on' 2 'nothing is left to simulate' "$scree" run "$scenes/incline.toml" -o "$work/x0" \
     --set time.end=0.1 --resume "$work/half/final.state"
 nothing_left "$work/x0"

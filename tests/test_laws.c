@@ -461,23 +461,49 @@ static void test_refusals(void) {
 }
 
 /* Every description is complete: what `scree laws` prints. */
+/* A member that every law of its kind has. */
+static void needs(const struct scree_law_text *text, const char *member, int has) {
+    if (!has) fprintf(stderr, "the law \"%s\" lacks .%s\n", text->name, member);
+    CHECK(has);
+}
+#define NEEDS(law, member) needs(&(law)->text, #member, (law)->member != NULL)
+
+#define NEEDS_TEXT(law)                                                                                                \
+    do {                                                                                                               \
+        NEEDS(law, text.formula);                                                                                      \
+        NEEDS(law, text.source);                                                                                       \
+        NEEDS(law, text.note);                                                                                         \
+        NEEDS(law, text.example);                                                                                      \
+        NEEDS(law, text.parameters);                                                                                   \
+        NEEDS(law, bake);                                                                                              \
+    } while (0)
+
 static void test_descriptions(void) {
     for (int l = 0; scree_normal_laws[l]; l++) {
         const struct scree_normal_law *law = scree_normal_laws[l];
-        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
-        CHECK(law->bake && law->pair && law->force && law->stored);
+        NEEDS_TEXT(law);
+        NEEDS(law, pair);
+        NEEDS(law, force);
+        NEEDS(law, stored);
         CHECK(scree_find_normal_law(law->text.name) == l && scree_find_friction_law(law->text.name) == -1);
     }
     for (int l = 0; scree_friction_laws[l]; l++) {
         const struct scree_friction_law *law = scree_friction_laws[l];
-        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
-        CHECK(law->bake && law->force && law->stored && law->slope && law->stiffness && law->damping);
+        NEEDS_TEXT(law);
+        NEEDS(law, force);
+        NEEDS(law, stored);
+        NEEDS(law, slope);
+        NEEDS(law, stiffness);
+        NEEDS(law, damping);
         CHECK(scree_find_friction_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1);
     }
     for (int l = 0; scree_rolling_laws[l]; l++) {
         const struct scree_rolling_law *law = scree_rolling_laws[l];
-        CHECK(law->text.formula && law->text.source && law->text.note && law->text.example && law->text.parameters);
-        CHECK(law->bake && law->resist && law->slope && law->stiffness && law->damping);
+        NEEDS_TEXT(law);
+        NEEDS(law, resist);
+        NEEDS(law, slope);
+        NEEDS(law, stiffness);
+        NEEDS(law, damping);
         CHECK(scree_find_rolling_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1 &&
               scree_find_friction_law(law->text.name) == -1);
     }

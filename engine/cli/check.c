@@ -11,6 +11,15 @@ static const char help[] = "usage: scree check SCENE [--set KEY=VALUE …] [--th
                            "\n"
                            "example: scree check data/scenes/transport.toml\n";
 
+/* The last step goes beyond the end, where that isn't a whole number of steps. */
+static void print_end(const scree_scene *scene, const struct scree_run_request *request) {
+    long steps = scree_steps_to(scene, request->end);
+    double reached = (double)steps * scree_scene_step_length(scene);
+    printf("end: %.9g s, %ld steps", request->end, steps);
+    if (reached > request->end * (1.0 + 1e-9)) printf(" (to %.9g s)", reached);
+    printf("%s\n", scene->time.integrator == SCREE_ADAPTIVE ? ", and within them as many as it takes" : "");
+}
+
 int cli_check(int count, char **words) {
     const char *threads = NULL, *assignments[256];
     int assignment_count = 0;
@@ -34,8 +43,7 @@ int cli_check(int count, char **words) {
     else {
         if (request.title[0]) printf("%s\n", scree_shown(request.title).text);
         scree_scene_describe(scene, stdout);
-        printf("end: %.9g s, %ld steps%s\n", request.end, scree_steps_to(scene, request.end),
-               scene->time.integrator == SCREE_ADAPTIVE ? ", and within them as many as it takes" : "");
+        print_end(scene, &request);
     }
     scree_scene_destroy(scene);
     scree_free_request(&request);

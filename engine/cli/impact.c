@@ -70,6 +70,7 @@ struct setting {
     int laws, frictions;
     struct sweep sweep;
     int unfinished; /* some impacts couldn't be followed */
+    double deepest; /* overlap over half a half-width, the largest of all */
     scree_trouble trouble;
 };
 
@@ -78,6 +79,7 @@ struct impact {
     double quantity[QUANTITIES];
     struct scree_encounter encounter;
     struct scree_rule rule;
+    double limit; /* half a half-width, m: a scene that goes deeper is stopped */
 };
 
 /* ---- reading ---- */
@@ -169,6 +171,10 @@ static scree_status check_motion(struct setting *s, const struct scree_encounter
     return SCREE_OK;
 }
 
+static double limit_of(const struct words_body body[2]) {
+    return 0.5 * fmin(scree_shape_half_width(&body[0].shape), scree_shape_half_width(&body[1].shape));
+}
+
 static void put_in_place(const struct words_body body[2], const double quantity[QUANTITIES],
                          struct scree_encounter *e) {
     double angle = quantity[ANGLE] * 3.14159265358979323846 / 180.0, speed = quantity[SPEED];
@@ -210,6 +216,7 @@ static scree_status make_impact(struct setting *s, int n, int point, struct impa
     if (!status) status = bake(s, &part[2], s->frictions ? &part[3] : NULL, body, &impact->rule);
     if (status) return status;
     put_in_place(body, quantity, &impact->encounter);
+    impact->limit = limit_of(body);
     status = check_radius(s, impact, body[0].mass);
     return status ? status : check_motion(s, &impact->encounter, quantity);
 }
@@ -296,6 +303,7 @@ static void print_row(struct setting *s, int point, const struct impact *impact,
             atan2(moves_after.x, moves_after.z) * degrees, atan2(slip_after.x, slip_after.z) * degrees,
             after.ball.spin.y, after.host.spin.y, after.duration, after.deepest, after.force, after.friction,
             after.energy, after.lost_normal, after.lost_tangential, endings[after.ending]);
+    s->deepest = fmax(s->deepest, after.deepest / impact->limit);
 }
 
 /* Whatever is wrong is said before anything is printed. */
@@ -478,11 +486,12 @@ static int read_want(const char *text, char key[64], double *restitution) {
 
 static int read_laws(const char *const *text, int count, const char *option, struct words *words,
                      scree_trouble *trouble) {
-    for (int k = 0; k < count; k++)
-        if (words_read(&words[k], text[k], option, trouble))
-            return cli_complain("%s", trouble->text);
-        else if (strcmp(words[k].name, "table") == 0)
+    for (int k = 0; k < count; k++) {
+        int bad = words_read(&words[k], text[k], option, trouble) != SCREE_OK;
+        if (words[k].name && strcmp(words[k].name, "table") == 0)
             return cli_complain("%s: only a scene file can give the law \"table\" its measured forces", option);
+        if (bad) return cli_complain("%s", trouble->text);
+    }
     return EXIT_GOOD;
 }
 
@@ -520,6 +529,8 @@ int cli_impact(int count, char **words) {
     if (code) return code;
     if (s.sweep.key && strncmp(s.sweep.name, "friction.", 9) == 0 && !s.frictions)
         return cli_complain("--sweep %s: there is no --friction", s.sweep.name);
+    if (want && (s.frictions || sweep || loop || folder || quantity[ANGLE] || quantity[SPIN] || quantity[HOST_SPIN]))
+        return cli_complain("--want goes with --law, --ball, --host and --speed only");
     char key[64];
     double restitution = 1.0;
     if (want && read_want(want, key, &restitution)) return EXIT_USAGE;
@@ -530,5 +541,8 @@ int cli_impact(int count, char **words) {
     if (status) cli_complain("%s", s.trouble.text);
     if (!status && s.unfinished)
         cli_complain("what is unfinished can't be followed: its laws are too steep, or numbers too large or too small");
+    if (!status && s.deepest > 1.0)
+        cli_complain("the largest overlap is %.3g times half a half-width of the body: a scene would be stopped there",
+                     s.deepest);
     return status ? cli_exit_code(status) : s.unfinished ? EXIT_MISSED : EXIT_GOOD;
 }

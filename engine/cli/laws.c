@@ -13,8 +13,9 @@ static const char help[] =
     "example: scree laws linear-loading\n";
 
 static void print_text(const struct scree_law_text *text, const char *kind, int memory) {
-    printf("%s (%s)\n  %s\n  source: %s\n  %s\n  memory: %s\n  parameters:\n", text->name, kind, text->formula,
-           text->source, text->note, memory ? "kept from step to step while the contact lasts" : "none");
+    printf("%s (%s)\n  %s\n  source: %s\n  %s\n  memory: %s\n%s", text->name, kind, text->formula, text->source,
+           text->note, memory ? "kept from step to step while the contact lasts" : "none",
+           text->parameters->name ? "  parameters:\n" : "");
     for (const struct scree_parameter *p = text->parameters; p->name; p++) {
         printf("    %-16s %-8s %-16s %s", p->name, p->unit, scree_range_text(p->range), p->meaning);
         if (p->instead_of) printf("; instead of %s", p->instead_of);

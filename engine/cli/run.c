@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -16,7 +17,10 @@ static const char help[] =
     "Simulate a scene file (\"-\": standard input). Tables and frames go into DIR (default: the scene's name without\n"
     ".toml; NAME-resumed with --resume), with the state at the end in DIR/final.state. Files get their names when all "
     "are\n"
-    "whole: a run that fails leaves earlier results as they were, and its own as *.part. Progress is shown on a "
+    "whole: a run that is stopped leaves earlier results as they were, and its own as *.part; interrupted (Ctrl-C), "
+    "also\n"
+    "its state, final.state.part, from which --resume goes on. What can't be written is removed. Progress is shown on "
+    "a\n"
     "terminal.\n"
     "\n"
     "  -o DIR           where to write\n"
@@ -43,6 +47,17 @@ struct run {
     double largest, worst, worst_of, worst_time;
     int halvings; /* told so far */
 };
+
+/* Set by the signals that interrupt a run; a second one kills it. */
+static volatile sig_atomic_t interrupted;
+
+static void note_signal(int signal) { interrupted = signal; }
+
+static void heed_signals(void) {
+    struct sigaction action = {.sa_handler = note_signal, .sa_flags = (int)SA_RESETHAND};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
 
 /* A balance beyond this share of the energy turned over is told at the end. */
 static const double tolerable_gap = 0.1;
@@ -101,14 +116,21 @@ static void tell_halvings(struct run *run) {
 
 static long last_step(const struct run *run) { return scree_steps_to(run->scene, run->request.end); }
 
+/* Steps at once: about half a second of a large scene, for whoever watches or interrupts it. A watch goes back to where
+ * they began. */
+static long most_steps(const struct run *run) {
+    double few = 1e7 / scree_scene_bodies(run->scene);
+    return run->scene->time.watch == SCREE_WATCH_HALVE || few >= 1000.0 ? 1000 : few < 1.0 ? 1 : (long)few;
+}
+
 /* Up to the next row. Where the step is halved on the way, twice as many lead to the same instant. */
 static scree_status step_to_row(struct run *run) {
     scree_status status = SCREE_OK;
     long target = next_row(run, last_step(run));
-    while (!status && scree_scene_steps(run->scene) < target) {
-        long chunk = target - scree_scene_steps(run->scene);
+    while (!status && !interrupted && scree_scene_steps(run->scene) < target) {
+        long chunk = target - scree_scene_steps(run->scene), most = most_steps(run);
         int halvings = scree_scene_halvings(run->scene);
-        status = scree_scene_step(run->scene, chunk < 1000 ? chunk : 1000);
+        status = scree_scene_step(run->scene, chunk < most ? chunk : most);
         target <<= scree_scene_halvings(run->scene) - halvings;
         tell_halvings(run);
         if (status) run->trouble = *scree_scene_trouble(run->scene);
@@ -122,9 +144,9 @@ static scree_status simulate(struct run *run) {
     run->halvings = scree_scene_halvings(run->scene); /* of the state resumed from */
     scree_status status = scree_output_row(&run->output, run->scene, &run->trouble);
     if (!status) status = watch_books(run);
-    while (!status && scree_scene_steps(run->scene) < last_step(run)) {
+    while (!status && !interrupted && scree_scene_steps(run->scene) < last_step(run)) {
         status = step_to_row(run);
-        if (!status) status = scree_output_row(&run->output, run->scene, &run->trouble);
+        if (!status && !interrupted) status = scree_output_row(&run->output, run->scene, &run->trouble);
     }
     return status;
 }
@@ -133,7 +155,8 @@ static void warn_of_chatter(const scree_scene *scene) {
     int ball, host;
     double steepest = scree_scene_steepest(scene, &ball, &host);
     if (steepest <= 1.0) return;
-    cli_complain("warning: the friction between \"%s\" and \"%s\" was too steep for the step (by a factor of "
+    cli_complain("warning: the friction or rolling resistance between \"%s\" and \"%s\" was too steep for the step (by "
+                 "a factor of "
                  "%.3g): sliding speeds "
                  "may chatter about zero; a larger threshold or a step below %.3g s avoids it",
                  scree_shown(scree_scene_body_name(scene, ball).text).text,
@@ -282,18 +305,23 @@ static scree_status run_loaded(struct run *run, const char *folder, const char *
     clock_gettime(CLOCK_MONOTONIC, &start);
     status = simulate(run);
     clock_gettime(CLOCK_MONOTONIC, &end);
-    if (!status) status = scree_output_keep(&run->output, run->scene, &run->trouble);
+    int broken_off = !status && scree_scene_steps(run->scene) < last_step(run);
+    if (broken_off) status = scree_output_state(&run->output, run->scene, &run->trouble);
+    if (!status && !broken_off) status = scree_output_keep(&run->output, run->scene, &run->trouble);
     /* What a stopped run has written may tell why; what couldn't be written is of no use. */
-    int stopped = status == SCREE_FAILED || status == SCREE_NO_MEMORY;
-    scree_output_drop(&run->output, stopped);
+    int stopped = broken_off || status == SCREE_FAILED || status == SCREE_NO_MEMORY;
+    scree_output_drop(&run->output, !status && broken_off ? SCREE_LEAVE_STATE : stopped ? SCREE_LEAVE : SCREE_REMOVE);
     if (status && run->shown) fputc('\n', stderr); /* ends the line of the progress */
     if (status) cli_complain("%s", run->trouble.text);
+    if (!status && broken_off)
+        cli_complain("interrupted at t = %.17g s; --resume %s/final.state.part goes on from there",
+                     scree_scene_time(run->scene), folder);
     if (stopped && run->request.write) cli_complain("what was written up to then is left in %s/*.part", folder);
     warn_of_chatter(run->scene);
     warn_of_coarse_step(run);
     warn_of_haste(run);
     warn_of_books(run);
-    if (!status && !run->quiet)
+    if (!status && !broken_off && !run->quiet)
         summarise(run, folder, (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec),
                   scree_scene_steps(run->scene) - (before << (scree_scene_halvings(run->scene) - halved)));
     return status;
@@ -323,10 +351,12 @@ int cli_run(int count, char **words) {
         status = scree_report(&run.trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     if (status)
         cli_complain("%s", run.trouble.text);
-    else
+    else {
+        heed_signals();
         status = run_loaded(&run, folder ? folder : named, state);
+    }
     scree_scene_destroy(run.scene);
     scree_free_request(&run.request);
     free(named);
-    return cli_exit_code(status);
+    return !status && interrupted ? 128 + interrupted : cli_exit_code(status);
 }
