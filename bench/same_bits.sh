@@ -10,6 +10,10 @@ example: bench/same_bits.sh 20000 build build-clang'
 [ $# -ge 2 ] || { echo "$usage" >&2; exit 2; }
 steps=$1
 shift
+case $steps in 0* | *[!0-9]*) echo "same_bits.sh: STEPS is a whole number from 1 on, not \"$steps\"" >&2; exit 2 ;; esac
+for build in "$@"; do
+    [ -x "$build/bench/scree-bench" ] || { echo "same_bits.sh: there is no $build/bench/scree-bench" >&2; exit 2; }
+done
 export OMP_WAIT_POLICY=passive # more threads than cores
 first=
 

@@ -302,7 +302,7 @@ static void test_scene_errors(void) {
         {5, "step = 0", "s.toml:5:8:", "step must be > 0"},
         {5, "step = \"big\"", "s.toml:5:8:", "or \"auto\""},
         {5, "integrator = \"pair-impuls\"", "s.toml:5:14:", "did you mean \"pair-impulse\"?"},
-        {5, "substeps = 2", "s.toml:5:12:", "without effect"},
+        {5, "substeps = 2", "s.toml:5:12:", "must be asked for"},
         {5, "integrator = \"verlett\"", "s.toml:5:14:", "did you mean \"verlet\"?"},
         {7, "name = \"\"", "s.toml:7:8:", "needs a name"},
         {7, "name = \"a\\tb\"", "s.toml:7:8:", "without control characters"},

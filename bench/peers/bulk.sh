@@ -11,6 +11,8 @@ SEED     of the places (default 1)
 example: bench/peers/bulk.sh build figures drum 2'
 [ $# -ge 3 ] || { echo "$usage" >&2; exit 2; }
 case $3 in heap | heap_rolling | drum | drum_mixed | crater) ;; *) echo "bulk.sh: there is no case \"$3\"" >&2; exit 2 ;; esac
+[ -x "$1/scree" ] || { echo "bulk.sh: there is no $1/scree" >&2; exit 2; }
+[ -s "$2/$3.toml" ] || { echo "bulk.sh: there is no $2/$3.toml; scree reproduce $3 -o $2 writes it" >&2; exit 2; }
 build=$(realpath "$1") figures=$(realpath "$2") name=$3 seed=${4:-1}
 here=$(realpath "$(dirname "$0")")
 export OMP_NUM_THREADS=1 LC_ALL=C
@@ -65,8 +67,10 @@ drum*)
     [ $name = drum ] ||
         awk '!/^#/ && $1 * 4e-5 >= 0.99999 && $1 * 4e-5 < 2.49999 { sum += $2 / $3; n++ } END { printf "share_of_m2,%.6g\n", sum / n }' counts.txt
     ;;
-crater) awk '!/^#/ { last = $2 } END { printf "bottom_m,%.6g\n", last - 0.01 }' ball.txt
-    awk '/^ITEM: ATOMS/ { on = 1; next }
+crater)
+    bottom=$(awk '!/^#/ { last = $2 } END { printf "%.17g", last - 0.01 }' ball.txt)
+    awk -v bottom="$bottom" '/^ITEM: ATOMS/ { on = 1; next }
         on && $4 == 1 { i = int(($1 / 0.03 + 1) * 3.5); j = int(($2 / 0.03 + 1) * 3.5); if ($3 + 0.002 > top[i, j]) top[i, j] = $3 + 0.002 }
-        END { for (i = 0; i < 7; i++) for (j = 0; j < 7; j++) sum += top[i, j] / 49; printf "surface_m,%.6g\n", sum }' settled.dump ;;
+        END { for (i = 0; i < 7; i++) for (j = 0; j < 7; j++) sum += top[i, j] / 49; printf "depth_m,%.6g\n", sum - bottom }' settled.dump
+    ;;
 esac

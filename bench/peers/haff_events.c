@@ -149,6 +149,11 @@ int main(int count, char **words) {
         return 2;
     }
     int from = atoi(words[1]), to = atoi(words[2]);
+    if (from < 0 || from >= to) {
+        fprintf(stderr, "haff-events: FROM and TO are numbers of runs, 0 <= FROM < TO, not \"%s\" and \"%s\"\n",
+                words[1], words[2]);
+        return 2;
+    }
     side = cbrt(COUNT * pi / 6.0 / share);
     printf("run,rate\n");
     for (int run = from; run < to; run++) {

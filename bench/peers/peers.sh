@@ -15,8 +15,22 @@ example: bench/peers/peers.sh build bed 5 200'
 [ -x "$1/bench/scree-bench" ] || { echo "peers.sh: there is no $1/bench/scree-bench" >&2; exit 2; }
 build=$(realpath "$1") scene=$2 rounds=${3:-5} steps=${4:-200} programs=scree
 [ $# -gt 5 ] && programs=$(shift 5 && echo "$*")
-state=
-[ "${5:--}" = - ] || state=$(realpath "$5")
+complain() { echo "peers.sh: $*" >&2; exit 2; }
+for number in "$rounds" "$steps"; do
+    case $number in 0* | *[!0-9]*) complain "ROUNDS and STEPS are whole numbers from 1 on, not \"$number\"" ;; esac
+done
+for program in $programs; do
+    case $program in
+    scree) ;;
+    lammps | liggghts | yade)
+        command -v "$(echo $program | sed s/lammps/lmp/)" >/dev/null || complain "$program isn't installed"
+        [ $program != yade ] || [ "$2" != chute ] || complain 'there is no chute for yade'
+        ;;
+    *) complain "there is no program \"$program\" (scree, lammps, liggghts, yade)" ;;
+    esac
+done
+start=start.csv
+[ "${5:--}" = - ] || { [ -s "$5" ] && start=$(realpath "$5"); } || complain "there is no state $5"
 here=$(realpath "$(dirname "$0")")
 scree=$build/scree look=$build/bench/scree-bench
 export OMP_NUM_THREADS=1 LC_ALL=C
@@ -62,11 +76,10 @@ make_base() {
 }
 
 [ $kind = chute ] && make_base
-if [ -n "$state" ]; then cp "$state" start.csv; fi
-[ -s start.csv ] || settle
+[ -s "$start" ] || settle
 # Just the numbers: position, radius, velocity, spin.
 awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k == "x_m") first = k }
-    { line = $first; for (k = first + 1; k < first + 10; k++) line = line "," $k; print line }' start.csv >spheres.csv
+    { line = $first; for (k = first + 1; k < first + 10; k++) line = line "," $k; print line }' "$start" >spheres.csv
 spheres=$(($(wc -l <spheres.csv) - 1))
 case $kind in
 bed) awk -v density=2500 -v low="0 0 0" -v high="$length $length 0.5" -f "$here/to_data.awk" spheres.csv >spheres.data ;;
@@ -132,5 +145,5 @@ for program in $programs; do
     echo "$scene,$program,$steps,$rounds,$time,$ratio,$("$look" look $kind.toml $(sizes) | tail -n 1)"
 done
 awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k == "x_m") first = k }
-    { line = $first; for (k = first + 1; k < first + 10; k++) line = line "," $k; print line }' start.csv >spheres.csv
+    { line = $first; for (k = first + 1; k < first + 10; k++) line = line "," $k; print line }' "$start" >spheres.csv
 exit $failed

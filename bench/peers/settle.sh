@@ -14,15 +14,21 @@ PROGRAM which run (default: scree lammps liggghts)
 
 example: bench/peers/settle.sh build bed 4'
 [ $# -ge 2 ] || { echo "$usage" >&2; exit 2; }
+complain() { echo "settle.sh: $*" >&2; exit 2; }
+[ -x "$1/bench/scree-bench" ] || complain "there is no $1/bench/scree-bench"
 build=$(realpath "$1") scene=$2 starts=${3:-4}
 here=$(realpath "$(dirname "$0")")
 case $scene in
 bed) steps=${4:-3000 10000 30000} ;;
-chute) steps=${4:-10000} ;;
+chute)
+    steps=${4:-10000}
+    [ -s "$build/peers/chute/start.csv" ] || complain "there is no settled chute: peers.sh $1 chute 1 1 - scree makes one"
+    ;;
 *) echo "$usage" >&2; exit 2 ;;
 esac
 programs='scree lammps liggghts'
 [ $# -gt 4 ] && programs=$(shift 4 && echo "$*")
+case $starts in 0* | *[!0-9]*) complain "STARTS is a whole number from 1 on, not \"$starts\"" ;; esac
 work=$build/peers/settle_$scene
 mkdir -p "$work" || exit 1
 
@@ -44,7 +50,8 @@ for n in $(seq "$starts"); do
     start_of "$n" >"$work/start.csv"
     for many in $steps; do
         # shellcheck disable=SC2086
-        "$here/peers.sh" "$build" "$scene" 1 "$many" "$work/start.csv" $programs | sed 1d | tee -a "$work/rows.csv" >&2
+        rows=$("$here/peers.sh" "$build" "$scene" 1 "$many" "$work/start.csv" $programs) || exit 1
+        echo "$rows" | sed 1d | tee -a "$work/rows.csv" >&2
     done
 done
 grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: /# /'
