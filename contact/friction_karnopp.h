@@ -51,6 +51,8 @@ static inline struct scree_tangential friction_karnopp_force(const struct scree_
     return scree_slide(at, friction_karnopp_grip(law, pair, at));
 }
 
+static inline double karnopp_band(const struct scree_law_constants *law) { return law->c[KARNOPP_BAND]; }
+
 static inline double friction_karnopp_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                              struct scree_sliding at) {
     (void)pair;
@@ -86,6 +88,7 @@ static const struct scree_friction_law scree_friction_karnopp = {
     .force = friction_karnopp_force,
     .grip = friction_karnopp_grip,
     .hold = karnopp_hold,
+    .band = karnopp_band,
     .stored = friction_karnopp_stored,
     .slope = scree_zero,
     .stiffness = friction_karnopp_stiffness,

@@ -183,7 +183,7 @@ static struct slider slider_of(const struct scree_grip *grip, int way, double no
         const struct scree_law_constants *law = &grip->rule->friction_constants;
         s.k = grip->friction->stiffness(law, grip->of_friction, overlap);
         s.c = grip->friction->damping(law, grip->of_friction, overlap);
-        s.hold = grip->friction->hold(law, at);
+        s.hold = scree_hold_on(grip->friction, law, at, grip->inside);
         s.in_force = grip->friction->in_force;
         return s;
     }

@@ -50,6 +50,17 @@ static double mean_stiffness(const struct scree_grip *grip, double overlap) {
     return sum;
 }
 
+static int has_band(const struct scree_grip *grip) { return grip->friction && grip->friction->band; }
+
+/* How much slower it slides than where its hold jumps, m/s. */
+static double left_of_band(const struct scree_grip *grip, const struct scree_grip_view *view) {
+    return grip->friction->band(&grip->rule->friction_constants) - vec_norm(view->slip);
+}
+
+static void note_band(struct scree_grip *grip, const struct scree_grip_view *view) {
+    grip->inside = has_band(grip) && left_of_band(grip, view) > 0.0;
+}
+
 /* Whether a slider that starts without stretch slips from the first touch on: what it would carry at a tiny overlap if
  * it stuck, against what it holds there. */
 static int slips_at_once(const struct scree_grip *grip, int way, const struct scree_grip_view *view) {
@@ -86,6 +97,7 @@ static void set_longest(struct scree_grip *grip) {
 static void begin_sideways(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
     memset(grip->slips, 0, sizeof grip->slips);
+    note_band(grip, view);
     set_longest(grip);
     for (int way = 0; way < SCREE_GRIP_WAYS; way++)
         if (scree_grip_is_slider(grip, way) && slips_at_once(grip, way, view)) let_slip(grip, way, view, memory);
@@ -96,6 +108,7 @@ static void begin_sideways(struct scree_grip *grip, const struct scree_grip_view
 static void take_hold(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     memset(memory, 0, SCREE_GRIP_MEMORY * sizeof *memory);
     memset(grip->slips, 0, sizeof grip->slips);
+    note_band(grip, view);
     for (int way = 0; way < SCREE_GRIP_WAYS; way++)
         if (scree_grip_is_slider(grip, way) && vec_norm(view->velocity[way]) > 0.0) let_slip(grip, way, view, memory);
 }
@@ -152,6 +165,7 @@ void scree_grip_recall(struct scree_grip *grip, const struct scree_grip_view *vi
     }
     grip->approaching = view->closing >= 0.0;
     grip->fresh = 1;
+    note_band(grip, view);
     set_scales(grip, overlap, view->closing);
     struct scree_normal_force now = law_at(grip, overlap, view->closing);
     if (grip->normal->memory) {
@@ -254,6 +268,8 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
                                         grip->depth / (grip->speed * (grip->first + SCREE_NO_SPEED));
     }
     if (grip->pulling) return;
+    if (has_band(grip))
+        values[SCREE_SWITCH_BAND] = (grip->inside ? 1.0 : -1.0) * left_of_band(grip, view) / grip->speed;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++)
         if (scree_grip_is_slider(grip, way) && !grip->wary[way])
             values[SCREE_SWITCH_SLIDE + way] = slide_switch(grip, way, view, sooner, later, apart);
@@ -264,6 +280,17 @@ static void switch_slide(struct scree_grip *grip, int way, const struct scree_gr
     if (grip->slips[way] && view->damping_of[way] == 0.0)
         vec_store(vec_scale(in_force ? 1.0 : 1.0 / view->stiffness[way], view->elastic[way]), memory + 3 * way);
     grip->slips[way] = !grip->slips[way];
+}
+
+/* Beyond the speed at which friction's hold jumps: what slips holds at once if it may bear more now than it does, what
+ * holds breaks loose if it bears more than it may. */
+static void switch_band(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
+    const int way = SCREE_GRIP_FRICTION;
+    struct scree_sliding at = {.normal = fmax(view->force, 0.0), .overlap = view->overlap, .velocity = view->slip};
+    double bears = vec_norm(vec_axpy(view->elastic[way], view->damping_of[way], view->velocity[way]));
+    grip->inside = !grip->inside;
+    double holds = scree_hold_on(grip->friction, &grip->rule->friction_constants, at, grip->inside).holds;
+    if (grip->slips[way] ? bears < holds : bears > holds) switch_slide(grip, way, view, memory);
 }
 
 void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const struct scree_grip_view *view,
@@ -290,6 +317,9 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
     case SCREE_SWITCH_PULL:
         grip->pulling = !grip->pulling;
         pass_no_load(grip, view, memory);
+        break;
+    case SCREE_SWITCH_BAND:
+        switch_band(grip, view, memory);
         break;
     case SCREE_SWITCH_PEAK:
         if (grip->advancing) grip->first = fmax(grip->first, scree_grip_peak(grip, view));

@@ -192,6 +192,8 @@ struct scree_friction_law {
     struct scree_hold (*hold)(const struct scree_law_constants *law, struct scree_sliding at);
     struct vec (*rate)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                        struct scree_sliding at);
+    /* Of `hold`: the sliding speed (m/s) at which what the slider holds jumps. NULL: nowhere. */
+    double (*band)(const struct scree_law_constants *law);
     /* Energy in the stretch, J. */
     double (*stored)(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_sliding at);
     /* Steepest rise of the coefficient with speed, s/m, and stiffness (N/m) and damping (N s/m) of a tangential
@@ -200,6 +202,17 @@ struct scree_friction_law {
     double (*stiffness)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
     double (*damping)(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 };
+
+/* What a slider whose hold jumps at a speed holds on one side of the jump, whatever its speed is: for those who locate
+ * where it passes to the other. */
+static inline struct scree_hold scree_hold_on(const struct scree_friction_law *friction,
+                                              const struct scree_law_constants *law, struct scree_sliding at,
+                                              int inside) {
+    if (!friction->band) return friction->hold(law, at);
+    double band = friction->band(law);
+    if ((vec_norm(at.velocity) < band) != inside) at.velocity = vec(inside ? 0.5 * band : 2.0 * band, 0.0, 0.0);
+    return friction->hold(law, at);
+}
 
 /* A slider behind a bare spring? Whether there is a dashpot is a matter of the law, not of the pair or the overlap. */
 static inline int scree_is_bare(const struct scree_friction_law *friction, const struct scree_law_constants *law,

@@ -84,7 +84,7 @@ static struct scree_drawn brace(const struct scree_pair_motion *p, const struct 
     double overlap = at->overlap > 0.0 ? at->overlap : 0.0;
     return (struct scree_drawn){.k = p->friction->stiffness(p->friction_law, p->friction_pair, overlap),
                                 .drag = p->friction->damping(p->friction_law, p->friction_pair, overlap),
-                                .limit = p->friction->hold(p->friction_law, sliding).slides,
+                                .limit = scree_hold_on(p->friction, p->friction_law, sliding, at->inside).slides,
                                 .slip = sliding.velocity};
 }
 
@@ -371,7 +371,7 @@ static struct scree_pair_instant go(const struct scree_pair_motion *p, const str
 
 /* ---- events inside a step ---- */
 
-enum event { TURNS, ENDS, SLIPS };
+enum event { TURNS, ENDS, SLIPS, CROSSES };
 
 /* The contact a little later, whose force is known; only overlap and velocity. */
 static struct scree_pair_instant soon_after(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
@@ -399,7 +399,8 @@ static double gripping(const struct scree_pair_motion *p, const struct scree_pai
     struct scree_drawn drawn = brace(p, at, load.normal);
     drawn.stretch = p->friction->in_force ? vec_scale(1.0 / drawn.k, at->stretch) : at->stretch;
     double bears = vec_norm(trial_of(&drawn));
-    if (!(at->sliding > 0.0)) return p->friction->hold(p->friction_law, sliding_of(p, at, load.normal)).holds - bears;
+    struct scree_sliding sliding = sliding_of(p, at, load.normal);
+    if (!(at->sliding > 0.0)) return scree_hold_on(p->friction, p->friction_law, sliding, at->inside).holds - bears;
     if (!p->bare) return bears - drawn.limit;
     const double soon = 1e-5 * p->step;
     struct scree_pair_instant later = soon_after(p, at, load.normal, soon);
@@ -411,8 +412,17 @@ static double gripping(const struct scree_pair_motion *p, const struct scree_pai
     return vec_dot(drawn.slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED) - growth;
 }
 
+/* Of a slider whose hold jumps at a speed: how far it is from there, m/s. */
+static double keeping(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    double left = p->friction->band(p->friction_law) - vec_norm(sliding_of(p, at, 0.0).velocity);
+    return at->inside ? left : -left;
+}
+
 static double still(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *at) {
-    return event == TURNS ? closing_of(p, at) : event == ENDS ? lasting(p, at) : gripping(p, at);
+    return event == TURNS   ? closing_of(p, at)
+           : event == ENDS  ? lasting(p, at)
+           : event == SLIPS ? gripping(p, at)
+                            : keeping(p, at);
 }
 
 /* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois),
@@ -491,6 +501,30 @@ static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree
     return 1;
 }
 
+/* Where the speed passes that at which the slider's hold jumps, within the piece, which is shortened to end there.
+ * Returns whether it does. */
+static int shorten_to_crossing(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                               struct nearness near, double *time, struct scree_pair_instant *to,
+                               struct scree_pair_yield *yield) {
+    if (!p->slider || !p->friction->band || !(keeping(p, to) < 0.0)) return 0;
+    shorten(p, CROSSES, from, near, time, to, yield);
+    return 1;
+}
+
+/* Beyond it: what slides holds at once if it may bear more now than it does, what holds breaks loose if it bears more
+ * than it may. */
+static void cross(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
+    struct scree_pair_load load;
+    scree_pair_press(p, at, &load);
+    struct scree_drawn drawn = brace(p, at, load.normal);
+    drawn.stretch = p->friction->in_force ? vec_scale(1.0 / drawn.k, at->stretch) : at->stretch;
+    double bears = vec_norm(trial_of(&drawn));
+    if (p->bare && at->sliding > 0.0) bears = drawn.limit;
+    at->inside = !at->inside;
+    double holds = scree_hold_on(p->friction, p->friction_law, sliding_of(p, at, load.normal), at->inside).holds;
+    if (at->sliding > 0.0 ? bears < holds : bears > holds) at->sliding = at->sliding > 0.0 ? 0.0 : 1.0;
+}
+
 static void add(struct scree_pair_yield *sum, const struct scree_pair_yield *part, double left) {
     sum->moment = vec_add(sum->moment, vec_axpy(part->moment, left, part->impulse));
     sum->impulse = vec_add(sum->impulse, part->impulse);
@@ -515,6 +549,8 @@ static void fly(const struct scree_pair_motion *p, struct scree_pair_instant *at
 static double touch(const struct scree_pair_motion *p, struct scree_pair_instant *at, double start,
                     struct scree_pair_yield *sum) {
     double time = start, grid = (p->step - start) / p->substeps;
+    at->inside = p->slider && p->friction->band &&
+                 vec_norm(sliding_of(p, at, 0.0).velocity) < p->friction->band(p->friction_law);
     for (int k = 0, turned = 0, slipped = 0; time < p->step && k < p->substeps;) {
         struct scree_pair_yield part;
         struct nearness near = nearness_of(p, at, p->step - time);
@@ -535,14 +571,17 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
         int ends = !turns && lasting(p, &to) < 0.0;
         if (ends) shorten(p, ENDS, at, near, &piece, &to, &part);
         if (ends && !(lasting(p, at) > 0.0)) return time; /* it ends before it begins */
+        int crosses = slipped < MOST_SLIPS && shorten_to_crossing(p, at, near, &piece, &to, &part);
+        if (crosses) turns = ends = 0;
         int slips = slipped < MOST_SLIPS && shorten_to_slip(p, at, near, &piece, &to, &part);
-        if (slips) turns = ends = 0;
-        slipped += slips;
-        time = turns || bent || ends || slips ? time + piece : goal;
+        if (slips) turns = ends = crosses = 0;
+        slipped += slips + crosses;
+        time = turns || bent || ends || slips || crosses ? time + piece : goal;
         if (!(time < p->step)) time = p->step;
         add(sum, &part, p->step - time);
         *at = to;
         if (slips) at->sliding = at->sliding > 0.0 ? 0.0 : 1.0;
+        if (crosses) cross(p, at);
         turned = turns;
         if (ends) return time;
         if (time == goal) k = last ? p->substeps : k + 1;

@@ -33,6 +33,7 @@ struct scree_pair_instant {
     double first, second; /* memory of the normal law */
     struct vec stretch;   /* memory of the friction law */
     double sliding;
+    int inside; /* of a slider whose hold jumps at a speed: it is below that */
 };
 
 /* Forces at one instant. */

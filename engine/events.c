@@ -217,6 +217,8 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
         switches_of(a, k, apart, value);
         for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++)
             if (grips(&a->grip[k], way)) soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w]));
+        const int band = SCREE_SWITCH_BAND; /* 1 all along where there is none */
+        soonest = fmin(soonest, dips_at(a->before[k][band], value[band], a->value[k][band]));
     }
     a->view = end;
     scree_adaptive_place(scene, a->arrived);
