@@ -214,7 +214,7 @@ void scree_bodies_find_positions(struct scree_bodies *bodies, double step);
  * by scree_bodies_shadow (or `bodies` itself). */
 void scree_bodies_look_now(const struct scree_bodies *bodies, double time, struct scree_bodies *shadow);
 
-/* One body of these; the motions are where the time wants them. One that isn't a ball, for the second. */
+/* The same of one body, after drive_to(bodies, time); scree_body_look_ahead: of one that isn't a ball. */
 void scree_body_look_now(const struct scree_bodies *bodies, int index, double time, struct scree_bodies *shadow);
 int scree_body_look_ahead(struct scree_bodies *bodies, int index, double step, const double gravity[3], double margin);
 

@@ -12,7 +12,7 @@
 
 enum { LEVELS = 64 };
 
-/* Where bodies are is told in parts of a cell, by sixteen bits: over and over after ROUND parts. */
+/* Places are told in parts of a cell, as 16-bit numbers that begin anew after ROUND parts, 32 cells. */
 enum { PARTS = 2048, ROUND = 65536 };
 
 /* A body in its column of cells, one above the other along z; columns go by a key. Where it is in the periodic box and

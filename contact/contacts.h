@@ -323,8 +323,8 @@ struct scree_rest {
 /* Lists where bodies fly (flight.c). */
 struct scree_flights {
     double sweep; /* the most that a flight leads away from the mean one until outer lists are made anew, m */
-    double
-        bend; /* by which flights that lead past each other may lead apart less than straight away, in half a step, m */
+    /* By which flights that lead past each other may lead apart less than straight away, in half a step, m. */
+    double bend;
     double wander; /* m/s, off their flights at the end of the last ones, on the mean */
     double ahead;  /* s that the list being made looks ahead */
     double flown;  /* s since outer lists were made; */

@@ -227,6 +227,40 @@ static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth
     return at->slides > 0.0 ? dragged - growth : left;
 }
 
+/* What friction makes of the same step, and where it ends: `end` has its overlap and normal force. */
+static SCREE_INLINE void end_sideways(struct smooth_laws laws, const struct smooth_lane *lane, struct lane_constants *m,
+                                      int k, double step, const struct stage *first, const struct stage *second,
+                                      const struct stage *third, const struct stage *fourth, double time,
+                                      struct stage *end, struct rk_step *to) {
+    double share = time * (1.0 / 6.0);
+    struct vec between = vec_add(second->force, third->force);
+    struct vec rub = vec_scale(share, vec_axpy(vec_add(first->force, fourth->force), 2.0, between));
+    /* The impulse times the depth: levers are half of it shorter. */
+    struct vec inner_deep =
+        vec_axpy(vec_scale(second->d - m->start[k], second->force), third->d - m->start[k], third->force);
+    struct vec outer_deep =
+        vec_axpy(vec_scale(first->d - m->start[k], first->force), fourth->d - m->start[k], fourth->force);
+    struct vec deep = vec_scale(share, vec_axpy(outer_deep, 2.0, inner_deep));
+    end->v = vec_axpy(vec_axpy(first->v, time, get(m->aside, k)), m->give_aside[k], rub);
+    end->v = vec_axpy(end->v, -0.5 * m->lever[0][k], deep);
+    end->q = vec_axpy(first->q, -0.5 * m->lever[0][k], rub);
+    end->q = vec_axpy(end->q, 0.25 * m->lever[1][k], deep);
+    end->slip = vec_axpy(end->v, end->d - m->start[k], end->q);
+    put(to->q, k, end->q);
+    put(to->deep, k, deep);
+    finish_stage(laws, lane, first, second, third, fourth, time, end);
+    put(to->rub, k, rub);
+    put(to->rub_moment, k, vec_scale(share * time, vec_add(first->force, between)));
+    double outer_rubbing = vec_dot(first->force, first->slip) + vec_dot(fourth->force, fourth->slip);
+    double inner_rubbing = vec_dot(second->force, second->slip) + vec_dot(third->force, third->slip);
+    to->rubbed[k] = -share * (outer_rubbing + 2.0 * inner_rubbing);
+    put(to->v, k, end->v);
+    put(to->s, k, end->s);
+    to->slides[k] = end->slides;
+    to->holds[1][k] = holds_at(laws, lane, m, k, step, end);
+    to->coarse[k] = coarse_at(m, k, first, second, third, time);
+}
+
 /* One lane goes on by its time. */
 static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct lane_constants *m,
                                    int k, double step, struct course *c, struct rk_step *to) {
@@ -264,33 +298,7 @@ static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_r
     to->turns[1][k] = laws.hold ? end.normal : end.u;
     to->holds[1][k] = 1.0;
     to->coarse[k] = 0.0;
-    if (!laws.hold) return;
-    struct vec between = vec_add(second.force, third.force);
-    struct vec rub = vec_scale(share, vec_axpy(vec_add(first.force, fourth.force), 2.0, between));
-    /* The impulse times the depth: levers are half of it shorter. */
-    struct vec inner_deep =
-        vec_axpy(vec_scale(second.d - m->start[k], second.force), third.d - m->start[k], third.force);
-    struct vec outer_deep =
-        vec_axpy(vec_scale(first.d - m->start[k], first.force), fourth.d - m->start[k], fourth.force);
-    struct vec deep = vec_scale(share, vec_axpy(outer_deep, 2.0, inner_deep));
-    end.v = vec_axpy(vec_axpy(first.v, time, get(m->aside, k)), m->give_aside[k], rub);
-    end.v = vec_axpy(end.v, -0.5 * m->lever[0][k], deep);
-    end.q = vec_axpy(first.q, -0.5 * m->lever[0][k], rub);
-    end.q = vec_axpy(end.q, 0.25 * m->lever[1][k], deep);
-    end.slip = vec_axpy(end.v, end.d - m->start[k], end.q);
-    put(to->q, k, end.q);
-    put(to->deep, k, deep);
-    finish_stage(laws, &lane, &first, &second, &third, &fourth, time, &end);
-    put(to->rub, k, rub);
-    put(to->rub_moment, k, vec_scale(share * time, vec_add(first.force, between)));
-    double outer_rubbing = vec_dot(first.force, first.slip) + vec_dot(fourth.force, fourth.slip);
-    double inner_rubbing = vec_dot(second.force, second.slip) + vec_dot(third.force, third.slip);
-    to->rubbed[k] = -share * (outer_rubbing + 2.0 * inner_rubbing);
-    put(to->v, k, end.v);
-    put(to->s, k, end.s);
-    to->slides[k] = end.slides;
-    to->holds[1][k] = holds_at(laws, &lane, m, k, step, &end);
-    to->coarse[k] = coarse_at(m, k, &first, &second, &third, time);
+    if (laws.hold) end_sideways(laws, &lane, m, k, step, &first, &second, &third, &fourth, time, &end, to);
 }
 
 /* ---- where the force sets in as a root of the overlap ---- */

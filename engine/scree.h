@@ -78,8 +78,7 @@ typedef struct scree_time_def {
     /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as
      * many, with friction twice where needed. */
     int substeps;
-    double
-        speed; /* m/s, >= 0: largest impact speed to reckon with; 0: estimated from velocities, motions and heights */
+    double speed;     /* m/s, >= 0, largest impact speed to reckon with; 0: by velocities, motions and heights */
     double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
     int no_flight;    /* for SCREE_ADAPTIVE: integrate free flight too, instead of going to the next possible touch at
                          once */

@@ -17,8 +17,8 @@ typedef struct scree_map_knot {
     double cycles;       /* n, 1/min */
     double fractions[3]; /* times of events 1 to 3 over T */
     double v[3], a[3];   /* of the comb at events 1 to 3: v T and a T^2, m */
-    double error,
-        at; /* largest |error| between this knot and the next, and the speed where; filled by scree_map_place */
+    double error;        /* largest |error| between this knot and the next, filled by scree_map_place; */
+    double at;           /* and the speed where that is, 1/min */
 } scree_map_knot;
 
 typedef struct scree_map {
