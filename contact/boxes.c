@@ -39,11 +39,11 @@ static struct vec nearest_in_box(struct vec centre, const struct scree_attitude 
 /* Distance of two cores, by projecting to and fro (Cheney & Goldstein 1959): from above, and close after some
  * rounds. */
 static double cores_distance(struct vec apart, const struct scree_attitude *a, const struct scree_attitude *b) {
-    struct vec origin = {0.0, 0.0, 0.0}, on_a = apart, on_b = origin;
+    struct vec origin = {0.0, 0.0, 0.0}, on_a = apart;
     double distance = HUGE_VAL;
     for (int k = 0; k < 100; k++) {
         double before = distance;
-        on_b = nearest_in_box(origin, b, on_a);
+        struct vec on_b = nearest_in_box(origin, b, on_a);
         on_a = nearest_in_box(apart, a, on_b);
         distance = vec_norm(vec_sub(on_a, on_b));
         if (!(distance < before * (1.0 - 1e-6))) break;
@@ -229,17 +229,17 @@ static int look_along(const struct scree_two_boxes *boxes, int axis, struct way 
     return 1;
 }
 
-static struct scree_gradient push_at(struct vec apart, struct vec force, struct vec point) {
+static struct scree_gradient gradient_of_force(struct vec apart, struct vec force, struct vec point) {
     return (struct scree_gradient){force, vec_cross(point, force),
                                    vec_scale(-1.0, vec_cross(vec_add(point, apart), force))};
 }
 
-static struct scree_gradient push_axpy(struct scree_gradient p, double s, struct scree_gradient q) {
+static struct scree_gradient gradient_axpy(struct scree_gradient p, double s, struct scree_gradient q) {
     return (struct scree_gradient){vec_axpy(p.force, s, q.force), vec_axpy(p.turn_a, s, q.turn_a),
                                    vec_axpy(p.turn_b, s, q.turn_b)};
 }
 
-static struct scree_gradient push_scale(double s, struct scree_gradient p) {
+static struct scree_gradient gradient_scale(double s, struct scree_gradient p) {
     return (struct scree_gradient){vec_scale(s, p.force), vec_scale(s, p.turn_a), vec_scale(s, p.turn_b)};
 }
 
@@ -253,7 +253,7 @@ static struct vec farthest(const struct scree_attitude *box, struct vec directio
 
 /* Gradient of the depth along a direction: a unit force on the deepest corner of a, or of b, or where two edges
  * cross. */
-static struct scree_gradient push_of_depth(const struct scree_two_boxes *boxes, const struct way *way) {
+static struct scree_gradient gradient_of_depth(const struct scree_two_boxes *boxes, const struct way *way) {
     const struct scree_attitude *a = boxes->a, *b = boxes->b;
     struct vec n = way->normal, on_a = farthest(a, vec_scale(-1.0, n)), on_b = farthest(b, n);
     if (way->axis < 3) on_a = vec_sub(on_b, boxes->apart);
@@ -262,11 +262,11 @@ static struct scree_gradient push_of_depth(const struct scree_two_boxes *boxes, 
         struct vec across = vec_cross(along_a, along_b), r = vec_sub(vec_add(boxes->apart, on_a), on_b);
         on_a = vec_axpy(on_a, vec_dot(vec_cross(along_b, r), across) / vec_norm2(across), along_a);
     }
-    return push_at(boxes->apart, n, on_a);
+    return gradient_of_force(boxes->apart, n, on_a);
 }
 
 /* Gradient of the recess, which changes as the boxes turn, and the direction with them. */
-static struct scree_gradient push_of_recess(const struct scree_two_boxes *boxes, const struct way *way) {
+static struct scree_gradient gradient_of_recess(const struct scree_two_boxes *boxes, const struct way *way) {
     const struct mat *a = &boxes->a->frame, *b = &boxes->b->frame;
     struct vec n = way->normal, zero = {0.0, 0.0, 0.0}, of_a = zero, of_b = zero;
     for (int k = 0; k < 3; k++) {
@@ -287,7 +287,7 @@ static struct scree_gradient push_of_recess(const struct scree_two_boxes *boxes,
 }
 
 /* Gradient of aside_of. */
-static struct scree_gradient push_of_aside(const struct scree_two_boxes *boxes, const struct way *way) {
+static struct scree_gradient gradient_of_aside(const struct scree_two_boxes *boxes, const struct way *way) {
     struct vec zero = {0.0, 0.0, 0.0};
     if (!(aside_of(way) > 0.0)) return (struct scree_gradient){zero, zero, zero};
     struct vec u = boxes->a->frame.column[(way->axis - 6) / 3], v = boxes->b->frame.column[(way->axis - 6) % 3];
@@ -317,12 +317,12 @@ void scree_draw_in(struct scree_two_boxes *boxes) {
     for (int k = 1; k < ways; k++)
         if (depth_left(&way[k], depth) < depth_left(&way[left], depth)) left = k;
     double rest = roundings + depth_left(&way[left], depth), factor = (roundings + depth) / rest;
-    struct scree_gradient deeper = push_of_depth(boxes, &way[least]), less = push_of_depth(boxes, &way[left]);
-    less = push_axpy(less, aside_of(&way[left]) - inset_per_depth * (way[left].recess - 2.0), deeper);
-    less = push_axpy(less, depth, push_of_aside(boxes, &way[left]));
-    less = push_axpy(less, -by, push_of_recess(boxes, &way[left]));
-    boxes->inset = (struct scree_inset){by, factor, push_scale(inset_per_depth, deeper),
-                                        push_scale(1.0 / rest, push_axpy(deeper, -factor, less))};
+    struct scree_gradient deeper = gradient_of_depth(boxes, &way[least]), less = gradient_of_depth(boxes, &way[left]);
+    less = gradient_axpy(less, aside_of(&way[left]) - inset_per_depth * (way[left].recess - 2.0), deeper);
+    less = gradient_axpy(less, depth, gradient_of_aside(boxes, &way[left]));
+    less = gradient_axpy(less, -by, gradient_of_recess(boxes, &way[left]));
+    boxes->inset = (struct scree_inset){by, factor, gradient_scale(inset_per_depth, deeper),
+                                        gradient_scale(1.0 / rest, gradient_axpy(deeper, -factor, less))};
 }
 
 /* A corner at the end of an edge, or alone: its overlap, where it is pushed, by how much the overlap grows per metre
@@ -370,7 +370,7 @@ static struct end end_of(const struct scree_two_boxes *boxes, const struct edge 
 }
 
 /* Add what `push` (on a) at `point` (from the centre of a) does. */
-static void push(struct scree_crossing *c, struct vec apart, struct vec push, struct vec point) {
+static void add_force(struct scree_crossing *c, struct vec apart, struct vec push, struct vec point) {
     c->force = vec_add(c->force, push);
     c->turn_a = vec_add(c->turn_a, vec_cross(point, push));
     c->turn_b = vec_sub(c->turn_b, vec_cross(vec_add(point, apart), push));
@@ -381,8 +381,9 @@ static void push(struct scree_crossing *c, struct vec apart, struct vec push, st
 static void count_inset(struct scree_crossing *c, const struct scree_two_boxes *boxes, double slope) {
     const struct scree_inset *inset = &boxes->inset;
     if (!(inset->by > 0.0)) return;
-    struct scree_gradient p = push_axpy((struct scree_gradient){c->force, c->turn_a, c->turn_b}, slope, inset->deeper);
-    p = push_axpy(push_scale(inset->factor, p), c->meeting.overlap, inset->larger);
+    struct scree_gradient p =
+        gradient_axpy((struct scree_gradient){c->force, c->turn_a, c->turn_b}, slope, inset->deeper);
+    p = gradient_axpy(gradient_scale(inset->factor, p), c->meeting.overlap, inset->larger);
     c->meeting.overlap *= inset->factor;
     c->force = p.force;
     c->turn_a = p.turn_a;
@@ -399,7 +400,7 @@ struct scree_crossing scree_meet_corner(const struct scree_two_boxes *boxes, int
     struct end end = corner_of_a(boxes, p, outward);
     struct scree_crossing c = {{end.push, end.overlap}, zero, zero, zero, zero};
     c.point = vec_axpy(p, 0.5 * end.overlap - boxes->rounding_a - boxes->inset.by, end.push);
-    push(&c, boxes->apart, end.push, c.point);
+    add_force(&c, boxes->apart, end.push, c.point);
     count_inset(&c, boxes, end.slope);
     return c;
 }
@@ -417,12 +418,12 @@ static void share_with_ends(const struct scree_two_boxes *boxes, const struct en
         steeper += 2.0 * square / (1.0 - square);
     }
     c->meeting.overlap = d * left;
-    push(c, boxes->apart, vec_scale(left * steeper, c->meeting.normal), c->point);
+    add_force(c, boxes->apart, vec_scale(left * steeper, c->meeting.normal), c->point);
     slope *= left * steeper;
     for (int k = 0; k < 4; k++) {
         if (end[k].ratio == 0.0) continue;
         double less = -2.0 * end[k].ratio * left / (1.0 - end[k].ratio * end[k].ratio);
-        push(c, boxes->apart, vec_scale(less, end[k].push), end[k].point);
+        add_force(c, boxes->apart, vec_scale(less, end[k].push), end[k].point);
         slope += less * end[k].slope;
     }
     count_inset(c, boxes, slope);
@@ -440,7 +441,7 @@ struct scree_crossing scree_meet_edges(const struct scree_two_boxes *boxes, int 
     c.meeting = (struct scree_meeting){lines.normal, fmin(d, 0.0)};
     c.point = vec_axpy(vec_axpy(a.middle, lines.on_a, a.along), 0.5 * d - rounding_a, c.meeting.normal);
     if (!(d > 0.0)) {
-        push(&c, boxes->apart, c.meeting.normal, c.point);
+        add_force(&c, boxes->apart, c.meeting.normal, c.point);
         return c;
     }
     struct end end[4];

@@ -48,7 +48,7 @@ scree_status scree_bake_rule(const scree_contact_def *def, const struct scree_el
  * names are the description's own. */
 scree_law_choice scree_example(const struct scree_law_text *text);
 
-/* "> 0", "0 … 1" and so on, for people. */
+/* "> 0", ">= 0" and so on, for people. */
 const char *scree_range_text(enum scree_range range);
 
 /* Speed at which a friction law without memory balances a tangential load, given as load/normal force: the creep speed

@@ -293,8 +293,9 @@ static double press_by(const struct pair *p, double overlap) {
     return p->normal->force(&p->rule->normal_constants, p->of_normal, at).elastic * overlap;
 }
 
+enum { LONGEST = 1000 }; /* m: what goes deeper isn't followed */
+
 /* Overlap at which the elastic force alone has stopped the bodies, m. */
-enum { LONGEST = 1000 };
 static double elastic_overlap(const struct pair *p, double energy) {
     double work = 0.0, overlap = 1e-15;
     while (press_by(p, overlap) > 1e-4 * energy && overlap > 1e-150) overlap *= 1e-3;
@@ -362,11 +363,11 @@ static void record(const struct pair *p, const struct phase *phase, const struct
     if (watch) watch(context, &moment);
 }
 
-/* Events that follow each other at once are taken as one: the phase may then change within a short step. */
-static int too_many(const struct pair *p, double taken, int *rapid) {
-    *rapid = taken < 1e-9 * p->time ? *rapid + 1 : 0;
-    return *rapid > 20;
-}
+/* Events that follow each other at once are taken as one from so many on: the phase may then change within a short
+ * step. */
+enum { MOST_RAPID = 20 };
+
+static int count_rapid(const struct pair *p, double taken, int rapid) { return taken < 1e-9 * p->time ? rapid + 1 : 0; }
 
 struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const struct scree_rule *rule,
                                           scree_encounter_watch *watch, void *context) {
@@ -395,7 +396,7 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
             continue;
         }
         struct phase next = phase_at(&p, &phase, &end);
-        if (!same_phase(&phase, &next) && rapid <= 20) {
+        if (!same_phase(&phase, &next) && rapid <= MOST_RAPID) {
             taken = locate(&p, &phase, &s, &rate, h);
             end = step(&p, &phase, &s, &rate, taken, NULL);
             next = phase_at(&p, &phase, &end);
@@ -407,7 +408,7 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
         settle(&p, &phase, next, &end);
         s = end;
         p.stretch = fmax(p.stretch, length3(&s.y[STRETCH]));
-        too_many(&p, taken, &rapid);
+        rapid = count_rapid(&p, taken, rapid);
         record(&p, &phase, &s, time, &result, watch, context);
         h = fmin(h * (error > 0.0 ? fmin(4.0, 0.9 * scree_pow(error, -0.2)) : 4.0), 0.02 * p.time);
         if (turns >= MOST_TURNS || time > 300.0 * p.time) {

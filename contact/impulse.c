@@ -73,11 +73,13 @@ static struct vec give(const struct side *side, struct vec force) {
     return seen(side, along, mat_apply(&side->inverse_inertia, torque_of(side, force)));
 }
 
-/* What the pair's own past would do to the body, and the rest of the body's past: extrapolated by weight `more`. */
+/* The impulses of the last two steps, extrapolated by weight `more`. */
 static struct vec ahead(const double past[2][3], double more) {
     return vec_axpy(vec_from(past[0]), more, vec_sub(vec_from(past[0]), vec_from(past[1])));
 }
 
+/* What all but the pair itself is expected to do to the body at the contact, m/s^2; `own`: the pair's impulse,
+ * extrapolated alike. */
 static struct vec acceleration(const struct side *side, struct vec own, double more, double step) {
     struct vec push = vec_axpy(ahead(side->past->f, more), -side->sign, force_of(side, own));
     struct vec twist = ahead(side->past->t, more);

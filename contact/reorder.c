@@ -30,7 +30,7 @@ void scree_contacts_remember(struct scree_batch *batch, const struct scree_bodie
     batch->count++;
 }
 
-/* Let contacts name bodies by their numbers (1) or by their places (0). */
+/* Let contacts name body k as[k]: by `number` instead of its place, by `place` instead of its number. */
 static void rename_bodies(struct scree_batch *batch, const int *as) {
     for (int s = 0; s < SCREE_SEGMENTS; s++)
         for (int k = batch->segment[s].first; k < batch->segment[s].first + batch->segment[s].count; k++) {

@@ -476,7 +476,10 @@ static int shorten_to_bend(const struct scree_pair_motion *p, const struct scree
     for (int k = 0; k < TRIES; k++) {
         double t = 0.5 * (low + high);
         *to = go(p, from, near, t, yield);
-        *(bends(p, from, to) ? &high : &low) = t;
+        if (bends(p, from, to))
+            high = t;
+        else
+            low = t;
     }
     *to = go(p, from, near, high, yield);
     *time = high;

@@ -227,7 +227,7 @@ static int same_contact(const struct scree_contact *a, const struct scree_contac
     return a->ball == b->ball && a->host == b->host && a->corner == b->corner;
 }
 
-/* Contacts of the list, in its order, apart. Memory of the bodies' part of y stays. */
+/* Contacts of the list, in its order, apart. The bodies' part of y stays. */
 static scree_status take_list(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     struct scree_contacts *contacts = &scene->contacts;

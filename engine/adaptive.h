@@ -20,7 +20,7 @@
 #include "engine/scene.h"
 
 /* The first unknowns; then come the bodies', then the contacts'. */
-enum { Y_TIME, Y_CLOCK, Y_WORK, Y_RUBBED, Y_DRIVEN, Y_BODIES }; /* the three books measured as one */
+enum { Y_TIME, Y_CLOCK, Y_WORK, Y_RUBBED, Y_DRIVEN, Y_BODIES }; /* the energy books (J) are measured by one error */
 
 /* Numbers of a body: position, velocity, angular momentum, attitude. */
 enum { OF_X = 0, OF_V = 3, OF_L = 6, OF_Q = 9, BALL_SIZE = 9, GENERAL_SIZE = 13 };
@@ -48,11 +48,12 @@ struct scree_adaptive {
     int *held;           /* for each body, whether it touches something */
     double *spin_energy; /* of each body while nothing touches it, J; -1: not looked at yet */
     struct scree_measure *measure;
-    int grips, grip_capacity;
-    struct scree_grip *grip, *old_grip;
+    int grips, grip_capacity;           /* contacts of the list; room for them */
+    struct scree_grip *grip, *old_grip; /* those; and those that touched before the list was made anew */
+    /* What they are like: at y; a little before and behind; in the middle of the step tried. */
     struct scree_grip_view *view, *sooner, *later, *halfway;
-    double (*value)[SCREE_SWITCHES], (*before)[SCREE_SWITCHES];
-    double start;           /* time at y[Y_TIME] = 0, s */
+    double (*value)[SCREE_SWITCHES], (*before)[SCREE_SWITCHES]; /* switch functions at its end, and at its start */
+    double start;                                               /* time at y[Y_TIME] = 0, s */
     double earliest, limit; /* motions are looked at between these times: between two of their breaks */
     int clock, root;        /* the contact whose overlap is the clock, -1: time itself; d = s^root - offset */
     int parting;            /* it runs towards zero */

@@ -381,7 +381,7 @@ int scree_adaptive_turn(struct scree_scene *scene, double time) {
         if (taken < left) scene->inner_step = h;
     }
     for (int k = 0; k < scene->bodies.count; k++)
-        if (a->at[k] >= 0) memcpy(a->y + a->at[k], a->next + a->at[k], 6 * sizeof *a->y);
+        if (a->at[k] >= 0) memcpy(a->y + a->at[k], a->next + a->at[k], OF_L * sizeof *a->y);
     a->y[Y_TIME] = a->next[Y_TIME];
     return 0;
 }

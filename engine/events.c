@@ -282,12 +282,15 @@ int scree_adaptive_event(struct scree_scene *scene, double *h) {
 
 static double root_of(double x, int root) { return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : x; }
 
+/* Up to which share of the contact's scale its root is the clock. */
+static double clock_share(const struct scree_grip *grip) { return grip->root == 4 ? 0.24 : 0.2; }
+
 /* Where forces set in or end like a root of the overlap, that root is the variable in which all is smooth: near the
  * begin up to about 0.45 of the contact's scale (p = 2; 0.7 for p = 4), near the end, if the overlap decides it, all
  * the way down. */
 static int suits(const struct scree_grip *grip, const struct scree_grip_view *view, int runs, int *parting) {
     if (grip->state != SCREE_GRIP_HELD) return 0;
-    double share = (grip->root == 4 ? 0.24 : 0.2) * (runs ? 1.0 : 0.5); /* to begin with it must pay */
+    double share = clock_share(grip) * (runs ? 1.0 : 0.5); /* to begin with it must pay */
     *parting = view->closing < 0.0;
     if (!*parting) return grip->root > 1 && view->closing > 0.3 * grip->speed && view->overlap < share * grip->depth;
     int lets_go = grip->normal->cut && grip->normal->root > 0; /* before the overlap ends */
@@ -319,7 +322,7 @@ int scree_adaptive_clock(struct scree_scene *scene, double left) {
         return before >= 0;
     }
     const struct scree_grip *grip = &a->grip[best];
-    double share = grip->root == 4 ? 0.24 : 0.2, offset = parting ? grip->reach : 0.0;
+    double share = clock_share(grip), offset = parting ? grip->reach : 0.0;
     double way = parting ? a->view[best].overlap + offset : share * grip->depth - a->view[best].overlap;
     if (best == before && parting == a->parting) return 0;
     if (2.0 * way > left * fabs(a->view[best].closing)) { /* the step of the scene ends before */

@@ -87,7 +87,7 @@ static double gap_between(const struct scree_bodies *bodies, int i, int j) {
 }
 
 /* The largest speed about its centre that a point of a freely turning body can have: |w| <= |l|/least moment. */
-static double fastest_point(const struct scree_bodies *bodies, int k) {
+static double rim_speed_bound(const struct scree_bodies *bodies, int k) {
     const double *inverse = scree_kind_of(bodies, k)->inertia.inverse_moments;
     double most = fmax(inverse[0], fmax(inverse[1], inverse[2]));
     if (scree_kind_of(bodies, k)->slot >= 0) most = fmax(most, scree_attitude_of(bodies, k)->inverse_hinge);
@@ -110,8 +110,8 @@ static double time_of_pair(const struct scree_scene *scene, int i, int j) {
         return first_root(vec_dot(n, apart) - radius, vec_dot(n, velocity), vec_dot(n, fall));
     }
     double speed = vec_norm(velocity), pull = vec_norm(fall), gap = gap_between(bodies, i, j);
-    if (shape != SCREE_SPHERE && shape != SCREE_PLANE) speed += fastest_point(bodies, i);
-    if (other != SCREE_SPHERE && other != SCREE_PLANE) speed += fastest_point(bodies, j);
+    if (shape != SCREE_SPHERE && shape != SCREE_PLANE) speed += rim_speed_bound(bodies, i);
+    if (other != SCREE_SPHERE && other != SCREE_PLANE) speed += rim_speed_bound(bodies, j);
     double root = speed + sqrt(speed * speed + 2.0 * pull * gap);
     return root > 0.0 ? 2.0 * gap / root * (1.0 - 1e-12) : HUGE_VAL;
 }
@@ -137,10 +137,10 @@ int scree_adaptive_fly(struct scree_scene *scene, double time) {
     if (turns && scree_adaptive_turn(scene, time)) return -1;
     for (int k = 0; k < scene->bodies.count; k++) {
         if (a->at[k] < 0) continue;
-        struct vec g = falls(scene, k), v = vec_from(a->y + a->at[k] + 3);
+        struct vec g = falls(scene, k), v = vec_from(a->y + a->at[k] + OF_V);
         struct vec way = vec_axpy(vec_scale(time, v), 0.5 * time * time, g);
         vec_store(vec_add(vec_from(a->y + a->at[k]), way), a->y + a->at[k]);
-        vec_store(vec_axpy(v, time, g), a->y + a->at[k] + 3);
+        vec_store(vec_axpy(v, time, g), a->y + a->at[k] + OF_V);
     }
     a->y[Y_TIME] += time;
     return 0;

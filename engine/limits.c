@@ -6,7 +6,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Overlap at which the elastic energy of a contact equals m v^2/2; NAN for m = 0. */
+/* Overlap at which the elastic energy of a contact equals m v^2/2; m > 0. */
 static double deepest_overlap(const struct scree_normal_law *law, const struct scree_law_constants *constants,
                               struct scree_pair_constants pair, double mass, double speed) {
     double energy = 0.5 * mass * speed * speed, low = 0.0, high = 1e-9;

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* A resting body has no speed that could serve:
- * what its contacts would do to it within the step does. */
+/* Errors of a body are measured by its speed. One at rest has none: what its contacts would do to it within the step
+ * serves instead. */
 void scree_adaptive_measure(struct scree_scene *scene) {
     struct scree_adaptive *a = scene->adaptive;
     const struct scree_bodies *bodies = &scene->bodies;

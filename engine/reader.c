@@ -186,8 +186,7 @@ char *scree_read_path_beside(struct scree_reader *r, const struct scree_toml *no
     return path;
 }
 
-/* What went wrong with a file is told at the key that names it. */
-static void tell_place(struct scree_reader *r, const struct scree_toml *node) {
+void scree_tell_place(struct scree_reader *r, const struct scree_toml *node) {
     scree_trouble cause = *r->trouble;
     scree_complain(r, node, "%s", cause.text);
     r->status = r->trouble->status = cause.status;
@@ -197,7 +196,7 @@ char *scree_read_file_beside(struct scree_reader *r, const struct scree_toml *no
                              size_t *size) {
     char *path = scree_read_path_beside(r, node);
     *text = path ? scree_read_file(path, largest, size, r->trouble) : NULL;
-    if (path && !*text) tell_place(r, node);
+    if (path && !*text) scree_tell_place(r, node);
     if (*text && r->beside) r->status = scree_add_path(r->beside, path, r->trouble);
     if (!r->status) return path;
     free(path);

@@ -52,6 +52,9 @@ void scree_read_each(struct scree_reader *r, const struct scree_toml *root, cons
 /* Index of a string among NULL-terminated words, or 0 with a complaint. */
 int scree_choose(struct scree_reader *r, const struct scree_toml *node, const char *what, const char *const *words);
 
+/* What has gone wrong with a file is told at the key that names it; the status stays. */
+void scree_tell_place(struct scree_reader *r, const struct scree_toml *node);
+
 /* The path of the file that a string names, relative to the folder of the file that is read; to be freed, NULL after a
  * complaint. And its content, of at most `largest` bytes, into `text`, to be freed. */
 char *scree_read_path_beside(struct scree_reader *r, const struct scree_toml *node);

@@ -46,7 +46,7 @@ static void put(struct stream *s, const void *data, size_t size) {
 }
 
 static void get(struct stream *s, void *data, size_t size) {
-    if (s->failed) memset(data, 0, size);
+    memset(data, 0, size);
     s->failed |= !s->failed && fread(data, 1, size, s->file) != size;
     s->hash = scree_hash_on(s->hash, data, size);
 }

@@ -218,11 +218,11 @@ static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
     const scree_joint *joint = &def->joint;
     int wall = def->shape.kind == SCREE_PLANE || def->shape.kind == SCREE_RECTANGLE;
     int bad_motion = joint->turn == SCREE_DRIVEN && (joint->turn_motion < 0 || joint->turn_motion >= scene->motions);
-    int moving_free = 0;
+    int moves_held = 0;
     for (int k = 0; k < 3; k++) {
         bad_motion |=
             joint->along[k] == SCREE_DRIVEN && (joint->along_motion[k] < 0 || joint->along_motion[k] >= scene->motions);
-        moving_free |= joint->along[k] != SCREE_FREE && def->velocity[k] != 0.0;
+        moves_held |= joint->along[k] != SCREE_FREE && def->velocity[k] != 0.0;
     }
     if (!known_freedoms(joint))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "joint",
@@ -235,7 +235,7 @@ static scree_status check_joint(scree_scene *scene, const scree_body_def *def) {
             &scene->trouble, SCREE_BAD_INPUT, "joint",
             "body \"%s\" is a %s: it has no mass, so each direction must be fixed or driven (others = \"fixed\")",
             def->name, scree_shape_name(def->shape.kind));
-    if (moving_free)
+    if (moves_held)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "velocity",
                             "body \"%s\" has a velocity along a direction that its joint fixes or drives", def->name);
     if (joint->turn != SCREE_FREE && !is_zero(def->spin))
@@ -365,7 +365,10 @@ static scree_status add_sphere(scree_scene *scene, const scree_spheres_def *def,
 }
 
 scree_status scree_scene_add_spheres(scree_scene *scene, const scree_spheres_def *def, int *first) {
-    if (def->count < 1 || def->count > INT_MAX - scene->defs)
+    if (def->count > INT_MAX - scene->defs)
+        return scree_report(&scene->trouble, SCREE_NO_MEMORY, "count", "a scene can't have %d spheres more",
+                            def->count);
+    if (def->count < 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "count", "a group of spheres has at least one, got %d",
                             def->count);
     if (!def->positions)

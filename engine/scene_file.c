@@ -565,21 +565,23 @@ static void check_length(struct scree_reader *r) {
     check_frames(r, every);
 }
 
-static scree_status define(struct scree_reader *r, struct scree_toml_document *document, const char *text, size_t size,
-                           const char *const *assignments, int assignment_count) {
+static void define(struct scree_reader *r, struct scree_toml_document *document, const char *text, size_t size,
+                   const char *const *assignments, int assignment_count) {
     r->status = scree_toml_parse(text, size, r->name, document, r->trouble);
     for (int k = 0; k < assignment_count && !r->status; k++)
         r->status = scree_toml_set(document, assignments[k], r->trouble);
-    if (r->status) return r->status;
+    if (r->status) return;
     r->root = document->root;
     into(r)->scene = scree_scene_create();
-    if (!into(r)->scene) return r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a scene");
-    read_root(r);
-    if (r->status) return r->status;
+    if (!into(r)->scene)
+        r->status = scree_report(r->trouble, SCREE_NO_MEMORY, NULL, "no memory for a scene");
+    else
+        read_root(r);
+    if (r->status) return;
     scree_status status = scree_scene_bake(into(r)->scene);
     if (!status) {
         check_length(r);
-        return r->status;
+        return;
     }
     /* Of what baking refuses, only the step and the domain stand in one place of the file. */
     const scree_trouble *cause = scree_scene_trouble(into(r)->scene);
@@ -587,7 +589,6 @@ static scree_status define(struct scree_reader *r, struct scree_toml_document *d
     const char *place = of_time ? "time" : cause->field;
     int known = strcmp(place, "time") == 0 || strcmp(place, "domain") == 0;
     scree_pass_on(r, status, known ? scree_toml_get(r->root, place) : NULL);
-    return r->status;
 }
 
 scree_status scree_read_scene(const char *text, size_t size, const char *name, const char *const *assignments,

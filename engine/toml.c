@@ -17,10 +17,7 @@ enum { BY_PARENT = 0, BY_HEADER, BY_DOTTED_KEY, INLINE, ARRAY_OF_TABLES };
 struct scree_toml_chunk {
     struct scree_toml_chunk *next;
     size_t used, size;
-    union {
-        double align;
-        char bytes[1];
-    } memory;
+    _Alignas(16) char memory[];
 };
 
 struct parser {
@@ -44,7 +41,7 @@ static void *take(struct scree_toml_document *document, size_t size) {
         *chunk = (struct scree_toml_chunk){.next = document->chunks, .size = room};
         document->chunks = chunk;
     }
-    void *memory = chunk->memory.bytes + chunk->used;
+    void *memory = chunk->memory + chunk->used;
     chunk->used += size;
     return memory;
 }

@@ -122,8 +122,7 @@ static scree_status end_tangentially(struct scree_trial *trial, int angle, scree
     if (!status) status = strike(trial, &throw, &coarse, trouble);
     if (status) return status;
     trial->tangential[angle] = fine.tangential;
-    double doubt = fabs(fine.tangential - coarse.tangential) / 3.0;
-    if (!(doubt <= trial->doubt)) trial->doubt = doubt; /* a NAN stays one */
+    trial->doubt = scree_most(trial->doubt, fabs(fine.tangential - coarse.tangential) / 3.0);
     return SCREE_OK;
 }
 

@@ -45,6 +45,9 @@ double scree_conventional_error(const struct scree_conventional *motion, double 
 }
 
 double scree_conventional_critical(const struct scree_conventional *motion, double tolerance) {
+    double slowing = motion->friction * motion->gravity;
+    if (!(slowing > 0.0 && motion->stroke > 0.0 && motion->share > 0.0 && tolerance > 0.0 && isfinite(tolerance)))
+        return NAN;
     double low = scree_conventional_limit(motion), high = 2.0 * low;
     while (scree_conventional_error(motion, high) < tolerance) high *= 2.0;
     for (int k = 0; k < 100; k++) {

@@ -1,5 +1,5 @@
 /* The conventional motion of a comb and a rigid product: the comb rises from rest to rest over the whole stroke, pushes
- * the product, and loses it where it brakes harder than friction does. Closed forms, apart from one root. */
+ * the product, and loses it where it brakes harder than friction does. Closed forms, apart from two roots. */
 #ifndef SCREE_SOLVER_CONVENTIONAL_H
 #define SCREE_SOLVER_CONVENTIONAL_H
 
@@ -7,17 +7,17 @@
 
 /* A rise-to-dwell law over u = t/T, with T = 60 r/n at n cycles a minute. */
 struct scree_conventional {
-    double stroke;          /* s, m */
-    double share;           /* r, of the cycle */
-    double friction;        /* mu_k between product and surface */
-    double gravity;         /* m/s^2 */
+    double stroke;          /* s, in m; > 0 */
+    double share;           /* r, of the cycle; > 0 */
+    double friction;        /* mu_k between product and surface; > 0 */
+    double gravity;         /* m/s^2; > 0 */
     enum scree_cam_law law; /* quintic unless told */
 };
 
 /* Duration of the rise at n cycles a minute, s. */
 double scree_conventional_duration(const struct scree_conventional *motion, double cycles);
 
-/* Position, velocity and acceleration of the comb at time t (s) after the start. */
+/* Position (m), velocity (m/s) and acceleration (m/s^2) of the comb at time t (s) after the start. */
 void scree_conventional_at(const struct scree_conventional *motion, double cycles, double time, double *position,
                            double *velocity, double *acceleration);
 
@@ -31,7 +31,8 @@ double scree_conventional_detachment(const struct scree_conventional *motion, do
 /* How far the product slides beyond its place, m; 0 where the comb catches up with it again. */
 double scree_conventional_error(const struct scree_conventional *motion, double cycles);
 
-/* Cycles a minute at which that error reaches `tolerance` (m, > 0). */
+/* Cycles a minute at which that error reaches `tolerance` (m, > 0 and finite); NAN if that or the motion makes no
+ * sense. */
 double scree_conventional_critical(const struct scree_conventional *motion, double tolerance);
 
 #endif

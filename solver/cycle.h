@@ -6,7 +6,7 @@
 
 #include "solver/profile.h"
 
-/* Zero means the default. */
+/* Zero means the default, where there is one. */
 typedef struct scree_cycle_def {
     double cycles;  /* operating speed, 1/min */
     double lift;    /* out of the plane, m; negative: downwards, through the slot; not 0 */

@@ -368,6 +368,7 @@ static int rank_of(const struct solver *s) {
 /* The Gauss-Newton step of the free unknowns at x into p, and |D p|; HUGE_VAL where there is none. */
 static double gauss_newton(struct solver *s) {
     if (linearise(s) || measure(s)) return HUGE_VAL;
+    s->cosine = stationarity(s);
     if (bounded(s)) factor(s, s->r);
     if (s->free == 0 || rank_of(s) < s->free) return HUGE_VAL;
     memset(s->p, 0, (size_t)s->n * sizeof(double));
@@ -561,7 +562,7 @@ scree_lm_outcome scree_lm_solve(const scree_lm_problem *problem, const scree_lm_
     s.outcome.converged = s.outcome.reason <= SCREE_LM_BY_COSINE;
     if (s.outcome.converged && !s.options.no_polish) polish(&s);
     s.outcome.norm = s.norm;
-    s.outcome.cosine = stationarity(&s);
+    s.outcome.cosine = s.cosine;
     if (s.outcome.reason == SCREE_LM_NOT_FINITE) return s.outcome;
     if (bounded(&s)) factor(&s, s.r); /* the last step may have held more than stays held */
     s.outcome.free = s.free;

@@ -41,7 +41,7 @@ typedef struct scree_lm_progress {
     double step;   /* |D p| of the last step */
     double radius; /* trust radius */
     double par;    /* Levenberg-Marquardt parameter */
-    double cosine; /* largest cosine between residual and a free column of the Jacobian */
+    double cosine; /* largest cosine between residual and a free column of the Jacobian, where the step began */
     const double *x;
     const double *r;
 } scree_lm_progress;
@@ -59,7 +59,7 @@ typedef struct scree_lm_options {
     const double *
         typical; /* sizes of the unknowns, for difference steps where x_j is smaller; NULL: |x_j|, or 1 where x_j = 0 */
     int no_polish;    /* leave out the Gauss-Newton steps at the end */
-    int acceleration; /* geodesic acceleration (Transtrum & Sethna 2012): one more residual a step */
+    int acceleration; /* geodesic acceleration (Transtrum & Sethna 2012): one more residual a step; not with bounds */
     scree_lm_loss loss;
     double scale;                                                      /* c of the loss, > 0 */
     int (*callback)(void *context, const scree_lm_progress *progress); /* nonzero stops */
@@ -89,7 +89,7 @@ typedef struct scree_lm_outcome {
     int rank;           /* of the free columns of the last Jacobian; below their number: the minimum isn't isolated */
     int free;           /* unknowns not held by a bound at the end */
     double norm;        /* |r| at the end (after the loss) */
-    double cosine;      /* largest cosine between residual and a free column, at the last Jacobian */
+    double cosine;      /* largest cosine between residual and a free column where the last Jacobian was taken */
     double last_step;   /* |D p|/|D x| of the last Gauss-Newton step: an estimate of the relative error of x */
 } scree_lm_outcome;
 

@@ -151,7 +151,11 @@ scree_map_report scree_map_place(scree_map *map, const scree_transport *transpor
         report.error = map->knots[k].error;
         report.at = map->knots[k].at;
         if (report.error <= options->bound) return report;
-        double middle = 0.5 * (map->knots[k].cycles + map->knots[k + 1].cycles);
+        double low = map->knots[k].cycles, high = map->knots[k + 1].cycles, middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            report.state = SCREE_MAP_FULL;
+            return report;
+        }
         report.state = plan_knot(map, transport, plan, middle, &report);
         if (report.state) return report;
         judge(map, k, options, &report);

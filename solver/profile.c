@@ -45,7 +45,7 @@ static int derive(int degree, const double *c, double *to) {
     return degree - 1;
 }
 
-/* Coefficients of x, v, a, j of a segment in u, each divided by its power of the duration, into rows. */
+/* Coefficients in u of x, v, a, j and of the derivative of j (for the extrema of j), in m and s, into rows. */
 static void derivatives(const struct scree_segment *segment, double rows[5][SCREE_SEGMENT_TERMS]) {
     memcpy(rows[0], segment->c, sizeof segment->c);
     for (int order = 1; order < 5; order++) {

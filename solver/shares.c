@@ -81,6 +81,10 @@ void scree_plan_shares(scree_transport *transport, double cycles, const scree_pl
                        enum scree_shares_rule rule, scree_plan_cost *cost, void *context, scree_plan *plan) {
     struct search search = {transport, options, rule, cost, context, cycles};
     struct simplex simplex;
+    if (rule == SCREE_LEAST_CATCH && !cost) {
+        *plan = (scree_plan){.state = SCREE_PLAN_BAD_TASK, .text = "what a catch costs must be told"};
+        return;
+    }
     double start[3];
     memcpy(start, transport->fractions, sizeof start);
     for (int p = 0; p < 4; p++) {

@@ -34,7 +34,7 @@ void scree_plan_scaled(const scree_transport *transport, const scree_plan *desig
 /* ---- limits ---- */
 
 double scree_limit_detachment(const scree_transport *transport, const scree_plan *design) {
-    /* The comb's hardest braking in segment 12 scales with the square of the speed. */
+    /* The comb's hardest braking between events 1 and 2 scales with the square of the speed. */
     struct scree_profile one = {0};
     scree_profile_append(&one, &design->profile.segment[1]);
     return design->cycles * sqrt(scree_transport_slowing(transport) / -scree_profile_extrema(&one).least.a);

@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-/* Zero means the default. */
+/* Zero means the default, where there is one. */
 typedef struct scree_table_options {
     double rate;    /* rows a second, > 0; further rows stand where segments meet and at the end */
     double cycles;  /* operating speed, 1/min; above 0: the first column is the machine's angle (degrees, 360 a cycle),

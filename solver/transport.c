@@ -141,7 +141,8 @@ struct task {
     int good;         /* the last accepted step is good enough */
 };
 
-/* First time in segment 12 at which the comb brakes harder than friction; negative if it never does. */
+/* First time in the segment from event 1 to event 2 at which the comb brakes harder than friction; negative if it never
+ * does. */
 static double detachment(const struct scree_profile *profile, double mu_g) {
     double t = scree_segment_first(&profile->segment[1], -mu_g);
     return t < 0.0 ? t : profile->start[1] + t;
@@ -373,7 +374,7 @@ void scree_plan_make(const scree_transport *transport, double cycles, const scre
     if (options->formulation == SCREE_PLAN_A) plan_a(transport, plan);
     if (options->formulation == SCREE_PLAN_B) plan_b(transport, options, plan, x);
     if (options->formulation == SCREE_PLAN_C) plan_c(transport, options, plan);
-    if (plan->state == SCREE_PLAN_GOOD || plan->profile.count) scree_plan_check(transport, plan);
+    if (plan->state == SCREE_PLAN_GOOD) scree_plan_check(transport, plan);
 }
 
 /* ---- formulation A as nine equations ---- */

@@ -100,7 +100,7 @@ void scree_plan_make(const scree_transport *transport, double cycles, const scre
 /* The comb's profile from the velocities at events 1 to 3 and the accelerations there. */
 struct scree_profile scree_plan_profile(const double time[5], const double v[3], const double a[3]);
 
-/* Admissibility of a plan for a rigid product; sets state and text. */
+/* Admissibility of a plan for a rigid product; sets state and text, unless they tell of a failure already. */
 void scree_plan_check(const scree_transport *transport, scree_plan *plan);
 
 /* Velocities and accelerations of formulation A (v1, v2, v3; all accelerations follow from friction). 0, or 1 if the
@@ -120,8 +120,8 @@ typedef double scree_plan_cost(void *context, const scree_plan *plan);
 
 /* Change transport->fractions so that the cost of the plan is least (simplex search of Nelder & Mead 1965; a local
  * minimum, from shares whose plan is admissible or nearly so: where no plan is near, the shares stay about what they
- * were). For SCREE_LEAST_CATCH `cost` says what the catch costs, by simulation; for the other rules it may be NULL.
- * Returns the plan. */
+ * were). `cost`, if it is given, counts instead of the rule; SCREE_LEAST_CATCH needs it (what the catch costs, by
+ * simulation). `plan` receives the plan; SCREE_PLAN_BAD_TASK without that. */
 void scree_plan_shares(scree_transport *transport, double cycles, const scree_plan_options *options,
                        enum scree_shares_rule rule, scree_plan_cost *cost, void *context, scree_plan *plan);
 

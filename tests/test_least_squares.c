@@ -461,6 +461,7 @@ static void test_limits(void) {
             scree_lm_outcome outcome =
                 solve(&problem, &(scree_lm_options){.evaluations = limit, .central = differences == 2}, x);
             CHECK(outcome.residual_calls <= limit);
+            CHECK(outcome.cosine <= 1.0 + 1e-12); /* of a point, not of one before it */
             CHECK(outcome.converged || outcome.reason == SCREE_LM_EVALUATIONS);
             CHECK(limit > 4 || !outcome.converged);
             CHECK(limit < 80 || outcome.converged);
@@ -472,6 +473,7 @@ static void test_limits(void) {
         scree_lm_outcome outcome =
             solve_decay((struct decay){0}, &(scree_lm_options){.callback = stop_at, .callback_context = seen}, x);
         CHECK(outcome.reason == SCREE_LM_STOPPED && !outcome.converged && outcome.iterations == stop);
+        CHECK(outcome.cosine > 0.0 && outcome.cosine <= 1.0 + 1e-12);
         CHECK(x[0] == seen[1] && x[1] == seen[2]);
     }
 }

@@ -577,6 +577,10 @@ static void test_limits(void) {
 
     struct scree_conventional motion = {.stroke = 0.08, .share = 0.5, .friction = 0.3, .gravity = 9.81};
     PRINTED(scree_conventional_critical(&motion, 1e-3), 81.50, 0.01);
+    CHECK(isnan(scree_conventional_critical(&motion, 0.0)) && isnan(scree_conventional_critical(&motion, HUGE_VAL)));
+    struct scree_conventional slippery = motion, weightless = motion;
+    slippery.friction = weightless.gravity = 0.0;
+    CHECK(isnan(scree_conventional_critical(&slippery, 1e-3)) && isnan(scree_conventional_critical(&weightless, 1e-3)));
     CHECK(scree_conventional_critical(&motion, 1e-3) < scree_limit_low(&task)); /* a gap that neither motion covers */
 
     /* Peaks over s_P/T^2 and s_P/T^3 depend on the speed through mu g T^2/s_P only, and fall to a limit: "about" is 2
@@ -617,6 +621,8 @@ static void test_shares(void) {
     int calls = 0;
     scree_plan_shares(&t, 500.0, NULL, SCREE_LEAST_CATCH, speed_of_comb, &calls, &plan);
     CHECK(plan.state == SCREE_PLAN_GOOD && calls > 4 && plan.extrema.largest.v < quarter.extrema.largest.v);
+    scree_plan_shares(&t, 500.0, NULL, SCREE_LEAST_CATCH, NULL, NULL, &plan);
+    CHECK(plan.state == SCREE_PLAN_BAD_TASK && plan.text);
     /* Where quarter shares fail, between the conventional motion's limit and theirs, an earlier catch works. */
     t = task;
     memcpy(t.fractions, (const double[]){0.225, 0.3, 0.475}, sizeof t.fractions);
@@ -866,6 +872,11 @@ static void test_map_placing(void) {
     options.error = no_number;
     report = scree_map_place(&map, &t, NULL, &options);
     CHECK(report.state == SCREE_MAP_FULL && report.error == HUGE_VAL);
+    /* However many knots there is room for: halving an interval comes to an end where numbers do. */
+    scree_map_knot many[256];
+    scree_map roomy = {.weight = SCREE_MAP_LINEAR, .capacity = 256, .knots = many};
+    report = scree_map_place(&roomy, &t, NULL, &options);
+    CHECK(report.state == SCREE_MAP_FULL && roomy.count < 256);
     options.error = scree_map_clearance;
     options.low = 80.0;
     report = scree_map_place(&map, &t, NULL, &options);

@@ -5,7 +5,7 @@
 #include "bodies/trouble.h"
 
 /* Exit codes: 0 success, 1 a result misses its bound or the simulation failed, 2 wrong use or bad input. */
-enum { EXIT_GOOD = 0, EXIT_MISSED = 1, EXIT_USAGE = 2 };
+enum { EXIT_GOOD = 0, EXIT_MISSED = 1, EXIT_USAGE = 2 }; /* 128 + its number: a run that a signal has broken off */
 
 int cli_run(int count, char **words);
 int cli_check(int count, char **words);

@@ -1,6 +1,7 @@
 /* What the figures of `scree reproduce` share. */
 #include "engine/cli/figures.h"
 
+#include "engine/scene.h"
 #include "engine/scene_file.h"
 
 #include <errno.h>
@@ -106,11 +107,14 @@ scree_status figures_step(struct figures *figures, scree_scene *scene, long step
 }
 
 scree_status figures_contacts_from(scree_scene *scene, int first, int *count) {
-    scree_contact_state contact[32];
+    enum { MOST_CONTACTS = 32 };
+    scree_contact_state contact[MOST_CONTACTS];
     int all = 0;
-    scree_status status = scree_scene_contacts(scene, contact, 32, &all);
+    scree_status status = scree_scene_contacts(scene, contact, MOST_CONTACTS, &all);
+    if (!status && all > MOST_CONTACTS)
+        status = scree_scene_stop(scene, scree_scene_time(scene), -1, -1, "more contacts than the figure has");
     *count = 0;
-    for (int k = 0; !status && k < all && k < 32; k++) *count += contact[k].host >= first;
+    for (int k = 0; !status && k < all; k++) *count += contact[k].host >= first;
     return status;
 }
 

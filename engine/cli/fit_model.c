@@ -253,7 +253,7 @@ static int jacobian(void *context, const double *x, double *columns) {
     struct model *m = context;
     const struct fit_file *f = m->file;
     int jobs = 2 * f->parameters * f->experiments, failed = 0;
-    /* Derivatives are taken with the steps, and may need the misfits, at x itself. */
+    /* Derivatives need the misfits and the steps of x itself; the residual goes where columns are written later. */
     if (memcmp(m->x, x, (size_t)f->parameters * sizeof *x) != 0 && residual(m, x, columns)) return 1;
 #pragma omp parallel for schedule(dynamic) num_threads(m->threads)
     for (int job = 0; job < jobs; job++) run_beside(m, x, job);

@@ -486,9 +486,10 @@ static int read_want(const char *text, char key[64], double *restitution) {
 
 static int read_laws(const char *const *text, int count, const char *option, struct words *words,
                      scree_trouble *trouble) {
+    int is_law = strcmp(option, "--law") == 0;
     for (int k = 0; k < count; k++) {
         int bad = words_read(&words[k], text[k], option, trouble) != SCREE_OK;
-        if (words[k].name && strcmp(words[k].name, "table") == 0)
+        if (is_law && words[k].name && strcmp(words[k].name, "table") == 0)
             return cli_complain("%s: only a scene file can give the law \"table\" its measured forces", option);
         if (bad) return cli_complain("%s", trouble->text);
     }

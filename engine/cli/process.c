@@ -4,6 +4,7 @@
 #include "bodies/quat.h"
 #include "engine/c_locale.h"
 #include "engine/file.h"
+#include "engine/scene.h"
 #include "engine/scene_file.h"
 #include "engine/toml.h"
 
@@ -112,6 +113,7 @@ struct changes {
 
 SCREE_PRINTF(2, 3) static void change(struct changes *changes, const char *format, ...) {
     va_list arguments;
+    if (changes->count == ASSIGNMENTS) abort(); /* there are so many lines below */
     va_start(arguments, format);
     vsnprintf(changes->text[changes->count], LONGEST, format, arguments);
     va_end(arguments);
@@ -248,8 +250,10 @@ static scree_status forces(scree_scene *scene, double *rear, double *front, doub
     scree_contact_state contact[MOST_CONTACTS];
     int count = 0;
     scree_status status = scree_scene_contacts(scene, contact, MOST_CONTACTS, &count);
+    if (!status && count > MOST_CONTACTS)
+        status = scree_scene_stop(scene, scree_scene_time(scene), -1, -1, "more contacts than the process has");
     *rear = *front = *along = 0.0;
-    for (int k = 0; !status && k < count && k < MOST_CONTACTS; k++) {
+    for (int k = 0; !status && k < count; k++) {
         double x = contact[k].normal_force * contact[k].normal[0];
         if (strstr(scree_scene_body_name(scene, contact[k].host).text, "rear")) *rear += x;
         if (strstr(scree_scene_body_name(scene, contact[k].host).text, "front")) *front -= x;

@@ -3,7 +3,6 @@
 #include "engine/cli/figures.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>

@@ -142,9 +142,12 @@ static void end_run(struct run *run) {
 
 static scree_status write_scene(struct figures *figures, const struct run *run) {
     struct scree_out out;
-    char path[1024];
-    snprintf(path, sizeof path, "%s/%s.toml", figures->folder, run->save_as);
+    char name[64];
+    snprintf(name, sizeof name, "%s.toml", run->save_as);
+    char *path = scree_join(figures->folder, name);
+    if (!path) return scree_report(&figures->trouble, SCREE_NO_MEMORY, NULL, "no memory for a file name");
     scree_status status = scree_out_open(&out, path, &figures->trouble);
+    free(path);
     if (status) return status;
     fputs(run->text, out.file);
     return scree_out_keep(&out, &figures->trouble);

@@ -68,7 +68,7 @@ static scree_status strike(struct figures *figures, const struct strike *s, stru
     if (!scene) return figures->trouble.status;
     scree_status status = SCREE_OK;
     for (int met = 0, touches = 1; !status && (!met || touches);) {
-        scree_contact_state contact;
+        scree_contact_state contact = {.ball = -1};
         status = figures_step(figures, scene, 1);
         if (!status) status = scree_scene_contacts(scene, &contact, 1, &touches);
         met |= touches > 0;

@@ -3,7 +3,6 @@
 #include "engine/cli/figures.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double gravity = 9.80665, pi = 3.14159265358979323846;
 

@@ -73,8 +73,7 @@ static void read_task(struct scree_reader *r, struct transport_file *f) {
 
 static void load_model(struct scree_reader *r, const struct scree_toml *node, struct transport_file *f) {
     char *path = scree_read_path_beside(r, node);
-    scree_trouble cause = {0};
-    if (path && process_load(&f->process, path, &f->task, &cause)) scree_complain(r, node, "%s", cause.text);
+    if (path && process_load(&f->process, path, &f->task, r->trouble)) scree_tell_place(r, node);
     free(path);
 }
 

@@ -1,7 +1,6 @@
 /* Laws and bodies in one word of a command line. */
 #include "engine/cli/words.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -7,7 +7,7 @@
 enum { WORDS_SETTINGS = 16, WORDS_LENGTH = 512 };
 
 struct words {
-    char text[WORDS_LENGTH]; /* what the names below point into */
+    char text[WORDS_LENGTH]; /* what the names below point into, those of a copy too: the original must outlive it */
     const char *name;
     int settings;
     scree_setting setting[WORDS_SETTINGS];
