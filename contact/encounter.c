@@ -369,6 +369,19 @@ enum { MOST_RAPID = 20 };
 
 static int count_rapid(const struct pair *p, double taken, int rapid) { return taken < 1e-9 * p->time ? rapid + 1 : 0; }
 
+/* What the bodies do behind the contact, or where it has stayed. */
+static void finish(const struct pair *p, const struct scree_encounter *e, const struct state *s, int over,
+                   struct scree_outcome_of_impact *result) {
+    if (over) result->ending = SCREE_PARTED;
+    result->impulse = vec_from(&s->y[IMPULSE]);
+    result->ball = pushed(e->ball, result->impulse);
+    result->host = pushed(e->host, vec_scale(-1.0, result->impulse));
+    result->lost_normal = s->y[WORK_NORMAL];
+    result->lost_tangential = s->y[WORK_TANGENTIAL];
+    double parting = vec_dot(velocity(p, s), p->n);
+    if (over) result->restitution = parting * p->time / p->length;
+}
+
 struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const struct scree_rule *rule,
                                           scree_encounter_watch *watch, void *context) {
     enum { MOST_STEPS = 1000000, MOST_TURNS = 200 }; /* what turns round so often has stayed */
@@ -416,14 +429,7 @@ struct scree_outcome_of_impact scree_meet(const struct scree_encounter *e, const
             break;
         }
     }
-    if (phase.over) result.ending = SCREE_PARTED;
-    result.impulse = vec_from(&s.y[IMPULSE]);
-    result.ball = pushed(e->ball, result.impulse);
-    result.host = pushed(e->host, vec_scale(-1.0, result.impulse));
-    result.lost_normal = s.y[WORK_NORMAL];
-    result.lost_tangential = s.y[WORK_TANGENTIAL];
-    double parting = vec_dot(velocity(&p, &s), p.n);
-    if (phase.over) result.restitution = parting * p.time / p.length;
+    finish(&p, e, &s, phase.over, &result);
     return result;
 }
 

@@ -464,6 +464,22 @@ scree_status scree_scene_set_domain(scree_scene *scene, const scree_domain_def *
     return SCREE_OK;
 }
 
+static scree_status check_accuracy(scree_scene *scene, const scree_time_def *def) {
+    if (def->accuracy == 0.0) return SCREE_OK;
+    if (!(def->accuracy >= 1e-6 && def->accuracy <= 0.1))
+        return scree_report(
+            &scene->trouble, SCREE_BAD_INPUT, "accuracy",
+            "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
+            def->accuracy);
+    if (def->step != 0.0)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
+                            "accuracy finds the step, so that a step can't be given with it; leave one of them out");
+    if (def->integrator == SCREE_ADAPTIVE)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
+                            "accuracy finds a fixed step; the integrator adaptive has a tolerance instead");
+    return SCREE_OK;
+}
+
 scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def) {
     if (scene->baked) return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "a baked scene keeps its step");
     const struct {
@@ -474,17 +490,8 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         if (!(numbers[k].value >= 0.0) || !isfinite(numbers[k].value))
             return scree_report(&scene->trouble, SCREE_BAD_INPUT, numbers[k].field,
                                 "%s must be a positive number, got %g", numbers[k].field, numbers[k].value);
-    if (def->accuracy != 0.0 && !(def->accuracy >= 1e-6 && def->accuracy <= 0.1))
-        return scree_report(
-            &scene->trouble, SCREE_BAD_INPUT, "accuracy",
-            "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
-            def->accuracy);
-    if (def->accuracy != 0.0 && def->step != 0.0)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
-                            "accuracy finds the step, so that a step can't be given with it; leave one of them out");
-    if (def->accuracy != 0.0 && def->integrator == SCREE_ADAPTIVE)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "accuracy",
-                            "accuracy finds a fixed step; the integrator adaptive has a tolerance instead");
+    scree_status status = check_accuracy(scene, def);
+    if (status) return status;
     if (def->integrator != SCREE_ANY_INTEGRATOR && def->integrator != SCREE_VERLET &&
         def->integrator != SCREE_PAIR_IMPULSE && def->integrator != SCREE_ADAPTIVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",

@@ -394,63 +394,75 @@ static void read_adaptive(struct scree_reader *r, const struct scree_toml *table
     def->no_flight = flight && !scree_read_boolean(r, table, "flight");
 }
 
+/* A step, or the error that it may make. */
+static void read_step(struct scree_reader *r, const struct scree_toml *table, scree_time_def *def) {
+    const struct scree_toml *step = scree_toml_get(table, "step"), *accuracy = scree_toml_get(table, "accuracy");
+    if (step && step->type == SCREE_TOML_STRING) {
+        if (strcmp(step->string, "auto") != 0) scree_complain(r, step, "step must be a number of seconds or \"auto\"");
+    } else if (step) {
+        def->step = scree_number_of(r, step, "step");
+        if (!(def->step > 0.0)) scree_complain(r, step, "step must be > 0 s (or \"auto\"), got %g", def->step);
+    }
+    def->accuracy = scree_read_number(r, table, "accuracy", 0.0);
+    if (accuracy && step && def->step > 0.0)
+        scree_complain(r, accuracy,
+                       "accuracy finds the step, so that step can't be given with it; leave one of them out");
+    if (accuracy && !r->status && !(def->accuracy >= 1e-6 && def->accuracy <= 0.1))
+        scree_complain(r, accuracy,
+                       "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
+                       def->accuracy);
+}
+
+/* Who steps, and what belongs to one of them alone. */
+static void read_integrator(struct scree_reader *r, const struct scree_toml *table, scree_time_def *def) {
+    static const char *const integrators[] = {"auto", "verlet", "pair-impulse", "adaptive", NULL};
+    const struct scree_toml *integrator = scree_toml_get(table, "integrator"), *sleep = scree_toml_get(table, "sleep");
+    const struct scree_toml *substeps = scree_toml_get(table, "substeps");
+    if (integrator) def->integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
+    if (def->integrator == SCREE_ADAPTIVE) def->divide = whole_share(into(r)->end, def->divide);
+    read_adaptive(r, table, def);
+    double pieces = substeps ? scree_read_number(r, table, "substeps", 0.0) : 0.0;
+    if (substeps && def->integrator != SCREE_PAIR_IMPULSE)
+        scree_complain(r, substeps, "substeps goes with integrator = \"pair-impulse\", which must be asked for");
+    if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
+        scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
+    def->substeps = r->status ? 0 : (int)pieces;
+    def->sleep = scree_read_number(r, table, "sleep", 0.0);
+    if (sleep && !(def->sleep > 0.0)) scree_complain(r, sleep, "sleep must be a speed > 0 m/s, got %g", def->sleep);
+    if (sleep && integrator && def->integrator != SCREE_VERLET && def->integrator != SCREE_ANY_INTEGRATOR)
+        scree_complain(r, sleep, "sleep goes with integrator = \"verlet\"; under another nobody sleeps");
+}
+
+static int read_threads(struct scree_reader *r, const struct scree_toml *table) {
+    double threads = scree_read_number(r, table, "threads", 1.0);
+    if (!(threads >= 1.0 && threads <= 1024.0 && threads == floor(threads)))
+        scree_complain(r, scree_toml_get(table, "threads"), "threads must be a whole number, 1 to 1024");
+    return into(r)->threads > 0 ? into(r)->threads : r->status ? 1 : (int)threads;
+}
+
 static void read_time(struct scree_reader *r) {
     static const char *const keys[] = {"end",   "step",    "accuracy",  "integrator", "substeps", "speed", "force",
                                        "watch", "threads", "tolerance", "flight",     "sleep",    NULL};
-    static const char *const integrators[] = {"auto", "verlet", "pair-impulse", "adaptive", NULL};
+    static const char *const watches[] = {"stop", "halve", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "time");
     if (!table) {
         scree_complain(r, NULL, "the scene needs a table [time] with its end (s)");
         return;
     }
     scree_check_keys(r, table, "[time]", keys);
-    const struct scree_toml *step = scree_toml_get(table, "step"), *end = scree_toml_get(table, "end");
-    const struct scree_toml *integrator = scree_toml_get(table, "integrator");
+    const struct scree_toml *end = scree_toml_get(table, "end"), *watch = scree_toml_get(table, "watch");
     into(r)->end = scree_read_number(r, table, "end", 0.0);
     if (!end || !(into(r)->end > 0.0))
         scree_complain(r, end ? end : table, "[time] needs end = the simulated time in s, > 0");
-    scree_time_def def = {.divide =
-                              into(r)->every > 0.0 && into(r)->every < into(r)->end ? into(r)->every : into(r)->end,
+    int rows = into(r)->every > 0.0 && into(r)->every < into(r)->end;
+    scree_time_def def = {.divide = rows ? into(r)->every : into(r)->end,
                           .speed = scree_read_number(r, table, "speed", 0.0),
                           .force = scree_read_boolean(r, table, "force"),
-                          .sleep = scree_read_number(r, table, "sleep", 0.0),
                           .energy = (into(r)->request->write & SCREE_WRITE_ENERGY) != 0};
-    if (step && step->type == SCREE_TOML_STRING) {
-        if (strcmp(step->string, "auto") != 0) scree_complain(r, step, "step must be a number of seconds or \"auto\"");
-    } else if (step) {
-        def.step = scree_number_of(r, step, "step");
-        if (!(def.step > 0.0)) scree_complain(r, step, "step must be > 0 s (or \"auto\"), got %g", def.step);
-    }
-    const struct scree_toml *accuracy = scree_toml_get(table, "accuracy");
-    def.accuracy = scree_read_number(r, table, "accuracy", 0.0);
-    if (accuracy && step && def.step > 0.0)
-        scree_complain(r, accuracy,
-                       "accuracy finds the step, so that step can't be given with it; leave one of them out");
-    if (accuracy && !r->status && !(def.accuracy >= 1e-6 && def.accuracy <= 0.1))
-        scree_complain(r, accuracy,
-                       "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
-                       def.accuracy);
-    if (integrator) def.integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
-    if (def.integrator == SCREE_ADAPTIVE) def.divide = whole_share(into(r)->end, def.divide);
-    read_adaptive(r, table, &def);
-    const struct scree_toml *substeps = scree_toml_get(table, "substeps");
-    double pieces = substeps ? scree_read_number(r, table, "substeps", 0.0) : 0.0;
-    if (substeps && def.integrator != SCREE_PAIR_IMPULSE)
-        scree_complain(r, substeps, "substeps goes with integrator = \"pair-impulse\", which must be asked for");
-    if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
-        scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
-    def.substeps = r->status ? 0 : (int)pieces;
-    const struct scree_toml *sleep = scree_toml_get(table, "sleep");
-    if (sleep && !(def.sleep > 0.0)) scree_complain(r, sleep, "sleep must be a speed > 0 m/s, got %g", def.sleep);
-    if (sleep && integrator && def.integrator != SCREE_VERLET && def.integrator != SCREE_ANY_INTEGRATOR)
-        scree_complain(r, sleep, "sleep goes with integrator = \"verlet\"; under another nobody sleeps");
-    static const char *const watches[] = {"stop", "halve", NULL};
-    const struct scree_toml *watch = scree_toml_get(table, "watch");
+    read_step(r, table, &def);
+    read_integrator(r, table, &def);
     if (watch) def.watch = (scree_watch)scree_choose(r, watch, "watch", watches);
-    double threads = scree_read_number(r, table, "threads", 1.0);
-    if (!(threads >= 1.0 && threads <= 1024.0 && threads == floor(threads)))
-        scree_complain(r, scree_toml_get(table, "threads"), "threads must be a whole number, 1 to 1024");
-    def.threads = into(r)->threads > 0 ? into(r)->threads : r->status ? 1 : (int)threads;
+    def.threads = read_threads(r, table);
     if (!r->status) scree_pass_on(r, scree_scene_set_time(into(r)->scene, &def), table);
 }
 
