@@ -19,8 +19,10 @@ static double box_softness(const struct scree_bodies *bodies, int k, int tangent
         double slide = centre + a2[axis] * fmax(w[u], w[v]), yaw = (a2[u] + a2[v]) * w[axis];
         softest = fmax(softest, 4.0 * (tangential ? fmax(slide, yaw) : normal));
     }
-    double corner = centre + (a2[0] + a2[1] + a2[2]) * fmax(w[0], fmax(w[1], w[2]));
-    return fmax(softest, corner);
+    /* One corner: at most its whole lever for the softest axis, and at most all axes, each with the lever across it. */
+    double whole = (a2[0] + a2[1] + a2[2]) * fmax(w[0], fmax(w[1], w[2]));
+    double each = (a2[1] + a2[2]) * w[0] + (a2[2] + a2[0]) * w[1] + (a2[0] + a2[1]) * w[2];
+    return fmax(softest, centre + fmin(whole, each));
 }
 
 double scree_softness(const struct scree_bodies *bodies, int k, int tangential) {

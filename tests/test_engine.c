@@ -1,5 +1,6 @@
 /* engine/: accuracy and its order, energy, rest, what doesn't change a result, and what stops a run. */
 #include "contact/impact.h"
+#include "engine/plan.h"
 #include "solver/conventional.h"
 #include "tests/scenes.h"
 
@@ -1088,6 +1089,43 @@ static void test_kept_zeros(void) {
     }
 }
 
+static const char box_on_floor[] =
+    "[time]\nend = 1\n[[material]]\nname = \"m\"\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+    "normal = { law = \"linear\", stiffness = 1e4, restitution = 0.5 }\n"
+    "[[body]]\nname = \"product\"\nmaterial = \"m\"\nshape = { box = [1, 1, 1] }\nmass = 0.03\n"
+    "position = [0, 0, 1]\n"
+    "[[body]]\nname = \"floor\"\nmaterial = \"m\"\nshape = { plane = true }\njoint = \"fixed\"\n";
+
+/* What limits the step of a box: at least what any one corner gives way to a force in any direction, at most what four
+ * corners of a solid box do together, however elongated it is: 4 (1/m + 3/m) sideways, with tilting, less than 16/m. */
+static void test_softness_of_boxes(void) {
+    uint64_t seed = 5;
+    for (int n = 0; n < 50; n++) {
+        double edge[3];
+        for (int k = 0; k < 3; k++) edge[k] = 0.01 * exp(check_between(&seed, -2.0, 2.0));
+        char shape[160];
+        snprintf(shape, sizeof shape, "body.product.shape={box=[%.17g,%.17g,%.17g]}", edge[0], edge[1], edge[2]);
+        const char *changes[] = {shape, "time.step=1e-9", "time.force=true"};
+        scree_scene *scene = scene_from(box_on_floor, changes, 3, 1);
+        const struct scree_bodies *bodies = &scene->bodies;
+        int box = bodies->place[scree_scene_find_body(scene, "product")];
+        double softest = fmax(scree_softness(bodies, box, 0), scree_softness(bodies, box, 1));
+        const double *w = scree_kind_of(bodies, box)->inertia.inverse_moments,
+                     centre = bodies->record[box].inverse_mass;
+        struct vec corner = {0.5 * edge[0], 0.5 * edge[1], 0.5 * edge[2]};
+        for (int k = 0; k < 200; k++) {
+            struct vec force = {check_between(&seed, -1.0, 1.0), check_between(&seed, -1.0, 1.0),
+                                check_between(&seed, -1.0, 1.0)};
+            force = vec_scale(1.0 / vec_norm(force), force);
+            struct vec torque = vec_cross(corner, force);
+            CHECK(centre + torque.x * torque.x * w[0] + torque.y * torque.y * w[1] + torque.z * torque.z * w[2] <=
+                  softest * (1.0 + 1e-12));
+        }
+        CHECK(softest < 16.0 * centre);
+        scree_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     test_lists_leave_no_trace();
     test_kept_zeros();
@@ -1117,5 +1155,6 @@ int main(void) {
     test_beyond_numbers();
     test_definitions();
     test_softest();
+    test_softness_of_boxes();
     return check_report();
 }
