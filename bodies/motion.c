@@ -165,8 +165,9 @@ static scree_status check_integral(const scree_motion_def *def, const struct scr
         if (fabs(x - def->positions[k + 1]) <= 1e-9 * span) continue;
         return scree_report(
             trouble, SCREE_BAD_INPUT, "table",
-            "row %zu of a motion table: the position is %.9g, but the integral of the velocity leads to %.9g", k + 2,
-            def->positions[k + 1], x);
+            "row %zu of a motion table: the position is %.9g, but the integral of the velocity leads to "
+            "%.9g; where jerk jumps, take interpolation = \"quintic\"",
+            k + 2, def->positions[k + 1], x);
     }
     return SCREE_OK;
 }

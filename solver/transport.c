@@ -35,9 +35,11 @@ static void check_task(const scree_transport *t, double cycles, scree_plan *plan
     if (!(play > 0.0))
         fail(plan, SCREE_PLAN_BAD_TASK, "the gap between the tines (%g m) is not wider than the product (%g m)", t->gap,
              t->width);
-    if (!(play < t->distance))
-        fail(plan, SCREE_PLAN_BAD_TASK, "the play (%g m) must be less than the transport distance (%g m)", play,
-             t->distance);
+    if (!(t->gap < t->distance))
+        fail(
+            plan, SCREE_PLAN_BAD_TASK,
+            "the gap between the tines (%g m) must be less than the transport distance (%g m), by the tines' thickness",
+            t->gap, t->distance);
     if (!(t->share > 0.0 && t->share <= 1.0))
         fail(plan, SCREE_PLAN_BAD_TASK, "the share of the cycle used for transport must be in (0, 1], got %g",
              t->share);

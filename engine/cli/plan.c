@@ -425,52 +425,6 @@ static scree_status write_curves(struct planning *p) {
 
 /* ---- limits in words ---- */
 
-/* Whether a rigid plan works at `cycles` with some times on a grid, which `task` then has. */
-static int find_times(scree_transport *task, double cycles) {
-    enum { GRID = 40 };
-    for (int i = 1; i < GRID; i++)
-        for (int j = i + 1; j < GRID; j++)
-            for (int k = j + 1; k < GRID; k++) {
-                const double times[3] = {(double)i / GRID, (double)j / GRID, (double)k / GRID};
-                memcpy(task->fractions, times, sizeof times);
-                scree_plan plan;
-                scree_plan_make(task, cycles, NULL, &plan);
-                if (plan.state == SCREE_PLAN_GOOD) return 1;
-            }
-    return 0;
-}
-
-/* The lowest speed from `critical` to `low` at which some times work: in whole cycles a minute, or farther apart if
- * they are many (each takes a grid of 9139 plans). */
-static void print_other_times(const scree_transport *task, double critical, double low) {
-    enum { MOST_TRIALS = 25 };
-    scree_transport other = *task;
-    double step = fmax(1.0, ceil((low - critical) / MOST_TRIALS)), cycles = ceil(critical);
-    while (cycles < low && !find_times(&other, cycles)) cycles += step;
-    if (cycles >= low) {
-        printf("  no other times help there\n");
-        return;
-    }
-    printf("  with times = [%g, %g, %g] the new motion works from %g on", other.fractions[0], other.fractions[1],
-           other.fractions[2], cycles);
-    if (cycles > ceil(critical)) printf("; between %.4g and %g no times on a grid of 0.025 do", critical, cycles);
-    printf("\n");
-}
-
-static void print_band(const struct transport_file *f, double critical, double low) {
-    if (low <= critical) {
-        printf(
-            "hybrid operation: conventional up to %.4g, the new motion from %.4g cycles/min; every speed is covered\n",
-            critical, low);
-        return;
-    }
-    printf(
-        "hybrid operation: conventional up to %.4g, the new motion from %.4g cycles/min; between them neither places "
-        "the product\n",
-        critical, low);
-    print_other_times(&f->task, critical, low);
-}
-
 /* Whether a drive without limits could run a rigid plan. */
 static int works(const scree_transport *task, double cycles, scree_plan *plan) {
     scree_transport free = *task;
@@ -515,6 +469,62 @@ static double highest_speed(const scree_transport *task, double low, scree_plan 
     }
     works(task, bad, plan);
     return good;
+}
+
+/* Whether a rigid plan works at `cycles` with some times on a grid, which `task` then has: those with which one works
+ * up to `low`, too, if there are any. */
+static int find_times(scree_transport *task, double cycles, double low) {
+    enum { GRID = 40 };
+    double first[3] = {0.0};
+    scree_plan plan;
+    for (int i = 1; i < GRID; i++)
+        for (int j = i + 1; j < GRID; j++)
+            for (int k = j + 1; k < GRID; k++) {
+                const double times[3] = {(double)i / GRID, (double)j / GRID, (double)k / GRID};
+                memcpy(task->fractions, times, sizeof times);
+                if (!works(task, cycles, &plan)) continue;
+                if (works(task, low, &plan)) return 1; /* and between them */
+                if (first[0] == 0.0) memcpy(first, times, sizeof first);
+            }
+    memcpy(task->fractions, first, sizeof first);
+    return first[0] > 0.0;
+}
+
+/* The lowest speed from `critical` to `low` at which some times work: in whole cycles a minute, or farther apart if
+ * they are many (each takes a grid of 9139 plans). */
+static void print_other_times(const scree_transport *task, double critical, double low) {
+    enum { MOST_TRIALS = 25 };
+    scree_transport other = *task;
+    scree_plan plan;
+    double step = fmax(1.0, ceil((low - critical) / MOST_TRIALS)), cycles = ceil(critical);
+    while (cycles < low && !find_times(&other, cycles, low)) cycles += step;
+    if (cycles >= low) {
+        printf("  no other times help there\n");
+        return;
+    }
+    double from = lowest_speed(&other, &plan), to = highest_speed(&other, from, &plan);
+    printf("  with times = [%g, %g, %g] a rigid product is placed from %.4g ", other.fractions[0], other.fractions[1],
+           other.fractions[2], from);
+    if (to < HUGE_VAL)
+        printf("to %.4g", to);
+    else
+        printf("on");
+    if (cycles > ceil(critical)) printf("; between %.4g and %g no times on a grid of 0.025 do", critical, cycles);
+    printf("\n");
+}
+
+static void print_band(const struct transport_file *f, double critical, double low) {
+    if (low <= critical) {
+        printf(
+            "hybrid operation: conventional up to %.4g, the new motion from %.4g cycles/min; every speed is covered\n",
+            critical, low);
+        return;
+    }
+    printf(
+        "hybrid operation: conventional up to %.4g, the new motion from %.4g cycles/min; between them neither places "
+        "the product\n",
+        critical, low);
+    print_other_times(&f->task, critical, low);
 }
 
 static void print_new_motion(const struct transport_file *f, double critical) {

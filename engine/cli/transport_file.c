@@ -119,7 +119,8 @@ static void read_model(struct scree_reader *r, struct transport_file *f) {
         scree_complain(r, scree_toml_get(table, "start"), "start must be from 0 to below the play of %g m, got %g",
                        scree_transport_play(&f->task), p->start);
     scree_trouble cause = {0};
-    if (!r->status && process_check(p, &cause)) scree_complain(r, table, "the process model can't run: %s", cause.text);
+    if (!r->status && process_check(p, &cause))
+        scree_complain(r, table, "the process model, whose step is `step` here, can't run: %s", cause.text);
 }
 
 /* speeds = [300, 500] or { from, to, count } */
