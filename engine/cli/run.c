@@ -48,15 +48,15 @@ struct run {
     int halvings; /* told so far */
 };
 
-/* Set by the signals that interrupt a run; a second one kills it. */
+/* Set by the signals that interrupt a run, unless they are to be ignored (in the background of a script); a second one
+ * kills it. */
 static volatile sig_atomic_t interrupted;
 
 static void note_signal(int signal) { interrupted = signal; }
 
-static void heed_signals(void) {
-    struct sigaction action = {.sa_handler = note_signal, .sa_flags = (int)SA_RESETHAND};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+static void heed(int signal) {
+    struct sigaction before, action = {.sa_handler = note_signal, .sa_flags = (int)SA_RESETHAND};
+    if (sigaction(signal, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(signal, &action, NULL);
 }
 
 /* A balance beyond this share of the energy turned over is told at the end. */
@@ -352,7 +352,8 @@ int cli_run(int count, char **words) {
     if (status)
         cli_complain("%s", run.trouble.text);
     else {
-        heed_signals();
+        heed(SIGINT);
+        heed(SIGTERM);
         status = run_loaded(&run, folder ? folder : named, state);
     }
     scree_scene_destroy(run.scene);
