@@ -622,7 +622,7 @@ static void test_shares(void) {
     scree_plan_shares(&t, 500.0, NULL, SCREE_LEAST_CATCH, speed_of_comb, &calls, &plan);
     CHECK(plan.state == SCREE_PLAN_GOOD && calls > 4 && plan.extrema.largest.v < quarter.extrema.largest.v);
     scree_plan_shares(&t, 500.0, NULL, SCREE_LEAST_CATCH, NULL, NULL, &plan);
-    CHECK(plan.state == SCREE_PLAN_BAD_TASK && plan.text);
+    CHECK(plan.state == SCREE_PLAN_BAD_TASK && plan.text[0]);
     /* Where quarter shares fail, between the conventional motion's limit and theirs, an earlier catch works. */
     t = task;
     memcpy(t.fractions, (const double[]){0.225, 0.3, 0.475}, sizeof t.fractions);
