@@ -356,8 +356,8 @@ expect 'without output the same hash' test "$whole" = "$silent"
 # Interrupted while it runs: the state of then goes on to the same end.
 "$scree" run "$scenes/bounce.toml" -o "$work/broken" --set time.end=1e5 --set output.every=10 --quiet 2>"$work/broken.text" &
 running=$!
-while [ ! -s "$work/broken/bodies.csv.part" ] && kill -0 $running 2>/dev/null; do sleep 0.05; done
-sleep 0.2
+while [ ! -e "$work/broken/bodies.csv.part" ] && kill -0 $running 2>/dev/null; do sleep 0.05; done
+sleep 0.3
 kill $running # its interrupt is ignored in the background
 wait $running
 expect 'an interrupted run ends by its signal' test $? -eq 143
