@@ -354,7 +354,7 @@ expect 'threads have the same hash' test "$whole" = "$threaded"
 silent=$("$scree" run "$scenes/incline.toml" -o "$work/silent" --set time.end=0.2 --set 'output.write=[]' 2>&1 | hash_of)
 expect 'without output the same hash' test "$whole" = "$silent"
 # Interrupted while it runs: the state of then goes on to the same end.
-"$scree" run "$scenes/bounce.toml" -o "$work/broken" --set time.end=1e5 --set output.every=10 --quiet 2>"$work/broken.text" &
+"$scree" run "$scenes/bounce.toml" -o "$work/broken" --set time.end=1e5 --set output.every=10 --set time.step=4e-5 --quiet 2>"$work/broken.text" &
 running=$!
 while [ ! -e "$work/broken/bodies.csv.part" ] && kill -0 $running 2>/dev/null; do sleep 0.05; done
 sleep 0.3
@@ -364,8 +364,8 @@ expect 'an interrupted run ends by its signal' test $? -eq 143
 expect 'an interrupted run says where' grep -q 'interrupted at t = .*final.state.part goes on from there' "$work/broken.text"
 expect 'an interrupted run keeps no results' test ! -e "$work/broken/bodies.csv" -a ! -e "$work/broken/final.state"
 end=$(sed -n 's/.*interrupted at t = \([0-9.e+-]*\) s.*/\1/p' "$work/broken.text" | awk '{ printf "%.9g", $1 + 0.1 }')
-whole=$("$scree" run "$scenes/bounce.toml" -o "$work/unbroken" --set time.end="$end" --set output.every=10 2>&1 | hash_of)
-resumed=$("$scree" run "$scenes/bounce.toml" -o "$work/mended" --set time.end="$end" --set output.every=10 --resume "$work/broken/final.state.part" 2>&1 | hash_of)
+whole=$("$scree" run "$scenes/bounce.toml" -o "$work/unbroken" --set time.end="$end" --set output.every=10 --set time.step=4e-5 2>&1 | hash_of)
+resumed=$("$scree" run "$scenes/bounce.toml" -o "$work/mended" --set time.end="$end" --set output.every=10 --set time.step=4e-5 --resume "$work/broken/final.state.part" 2>&1 | hash_of)
 expect 'an interrupted run goes on to the same end' test -n "$whole" -a "$whole" = "$resumed"
 check 'a resumed run goes on' 2 'nothing is left to simulate' "$scree" run "$scenes/incline.toml" -o "$work/x0" \
     --set time.end=0.1 --resume "$work/half/final.state"
