@@ -1,10 +1,10 @@
 /* The bodies of a scene while it runs: state split by temperature, and how each body moves alone.
  *
  * Four temperatures:
- *   record   what contacts read and write, every step, two bodies a contact: four rows of four doubles, and the spin
- * apart; state    momenta at the end of the last step, read and written once a step; position at the end of the last
- * step, for those who look: while steps follow one another it isn't written; the rest mass properties, joints, shapes:
- * once for all balls that are alike; attitudes of bodies that have one.
+ *   record   what contacts read and write, every step, two bodies a contact: four rows of doubles, the spin apart;
+ *   state    momenta at the end of the last step, read and written once a step;
+ *   position at the end of the last step, for those who look: while steps follow one another it isn't written;
+ *   the rest mass properties, joints, shapes: once for all balls that are alike; attitudes of bodies that have one.
  *
  * The step is Verlet's in its position form (drift, kick, drift: Tuckerman, Berne & Martyna 1992): contacts are
  * evaluated half a step ahead of the state, where positions are x + h v/2 and velocities are predicted from the

@@ -92,8 +92,8 @@ struct scree_moments {
 };
 
 /* Part of a batch's list: near contacts first … first + count - 1, out of the outer list's. Segment 0 holds what isn't
- * of one slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): its
- * contacts touch bodies of slabs s and s + 1 only. */
+ * of one slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): its contacts touch bodies of slabs s and
+ * s + 1 only. */
 struct scree_part {
     int first, count, capacity;
     int outer_count;                  /* contacts in its outer list; */
@@ -349,8 +349,8 @@ struct scree_contacts {
     /* What making lists takes; each has one use after the other:
      *           while pairs are sought (candidates.c)          afterwards
      *   listed  the pairs as they are found, by parts (found)  the outer lists of all batches
-     *   rough   the cells, then the pairs in order             whatever takes numbers for each body or contact and
-     * keeps none: from two numbers a body on */
+     *   rough   the cells, then the pairs in order             numbers of bodies or contacts that nobody keeps
+     * Rough has room for two numbers a body, or more. */
     struct scree_space listed, rough;
     struct scree_found found[SCREE_PARTS];
     int pairs, *end, *partner; /* in rough: the larger bodies of each body's pairs, and where these end */

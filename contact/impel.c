@@ -148,10 +148,8 @@ int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *b
     return scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
 }
 
-enum {
-    WORTH_A_TEAM = 1000,
-    CHUNK = 256
-}; /* bodies for which a team of threads doesn't pay; that one thread takes at once */
+/* More bodies than that are worth a team of threads; so many one thread takes at once. */
+enum { WORTH_A_TEAM = 1000, CHUNK = 256 };
 
 static int chunk_end(int from, int count) { return from + CHUNK < count ? from + CHUNK : count; }
 

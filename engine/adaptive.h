@@ -52,8 +52,9 @@ struct scree_adaptive {
     struct scree_grip *grip, *old_grip; /* those; and those that touched before the list was made anew */
     /* What they are like: at y; a little before and behind; in the middle of the step tried. */
     struct scree_grip_view *view, *sooner, *later, *halfway;
-    double (*value)[SCREE_SWITCHES], (*before)[SCREE_SWITCHES]; /* switch functions at its end, and at its start */
-    double start;                                               /* time at y[Y_TIME] = 0, s */
+    /* Switch functions at the end of that step, and at its start. */
+    double (*value)[SCREE_SWITCHES], (*before)[SCREE_SWITCHES];
+    double start;           /* time at y[Y_TIME] = 0, s */
     double earliest, limit; /* motions are looked at between these times: between two of their breaks */
     int clock, root;        /* the contact whose overlap is the clock, -1: time itself; d = s^root - offset */
     int parting;            /* it runs towards zero */

@@ -159,8 +159,9 @@ SCREE_API scree_status scree_scene_add_material(scree_scene *scene, const scree_
 SCREE_API scree_status scree_scene_add_motion(scree_scene *scene, const scree_motion_def *def, int *index);
 SCREE_API scree_status scree_scene_add_contact(scree_scene *scene, const scree_contact_def *def);
 SCREE_API scree_status scree_scene_add_body(scree_scene *scene, const scree_body_def *def, int *index);
-/* `first` (may be NULL) receives the index of the first of them; the others follow. SCREE_BAD_INPUT for a sphere that
- * can't be: the trouble record's `body` tells which, counted from 0; no sphere is added then. */
+/* `first` (may be NULL) receives the index of the first of them; the others follow. SCREE_BAD_INPUT without
+ * positions, or for a sphere that can't be: the trouble record's `body` tells which, counted from 0; no sphere is added
+ * then. SCREE_NO_MEMORY. */
 SCREE_API scree_status scree_scene_add_spheres(scree_scene *scene, const scree_spheres_def *def, int *first);
 /* SCREE_BAD_INPUT: they don't fit into the box without overlaps; lattice points of free spheres closer than a diameter;
  * SCREE_NO_MEMORY: more than the machine has memory for. */

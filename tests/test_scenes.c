@@ -325,6 +325,10 @@ static void test_api(void) {
     CLOSE(scree_scene_body_mass(scene, 0), 1000 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-3, 1e-15);
     def.count = 0;
     CHECK(scree_scene_add_spheres(scene, &def, &first) == SCREE_BAD_INPUT);
+    def.count = 3;
+    def.positions = NULL;
+    CHECK(scree_scene_add_spheres(scene, &def, &first) == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(scene)->text, "needs positions");
     scree_scene_destroy(scene);
 }
 

@@ -105,7 +105,7 @@ void process_free(struct process *process) {
 
 /* Changes to the scene file, one a line of `text`. */
 struct changes {
-    int count;
+    int count, cut; /* cut: there was too little room */
     const char *list[ASSIGNMENTS];
     char text[ASSIGNMENTS][LONGEST];
     char stroke[SCREE_PROFILE_SEGMENTS * 140];
@@ -113,9 +113,10 @@ struct changes {
 
 SCREE_PRINTF(2, 3) static void change(struct changes *changes, const char *format, ...) {
     va_list arguments;
-    if (changes->count == ASSIGNMENTS) abort(); /* there are so many lines below */
+    changes->cut |= changes->count == ASSIGNMENTS;
+    if (changes->cut) return;
     va_start(arguments, format);
-    vsnprintf(changes->text[changes->count], LONGEST, format, arguments);
+    changes->cut |= vsnprintf(changes->text[changes->count], LONGEST, format, arguments) >= LONGEST;
     va_end(arguments);
     changes->list[changes->count] = changes->text[changes->count];
     changes->count++;
@@ -208,6 +209,10 @@ static scree_scene *make_scene(const struct process *p, const struct scree_profi
     change(&changes, "output={write=[]}");
     change_bodies(&changes, p);
     change_contacts(&changes, p, caught);
+    if (changes.cut) {
+        scree_report(trouble, SCREE_BAD_INPUT, NULL, "no room for all changes to the scene");
+        return NULL;
+    }
     scree_scene *scene = NULL;
     struct scree_run_request request = {0};
     scree_read_scene(p->text, p->size, p->name, changes.list, changes.count, 1, &scene, &request, trouble);

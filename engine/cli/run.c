@@ -45,7 +45,8 @@ struct run {
     /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside what was turned
      * over. */
     double largest, worst, worst_of, worst_time;
-    int halvings; /* told so far */
+    int halvings;   /* told so far */
+    int broken_off; /* by a signal, before its end */
 };
 
 /* Set by the signals that interrupt a run, unless they are to be ignored (in the background of a script); a second one
@@ -305,7 +306,7 @@ static scree_status run_loaded(struct run *run, const char *folder, const char *
     clock_gettime(CLOCK_MONOTONIC, &start);
     status = simulate(run);
     clock_gettime(CLOCK_MONOTONIC, &end);
-    int broken_off = !status && scree_scene_steps(run->scene) < last_step(run);
+    int broken_off = run->broken_off = !status && scree_scene_steps(run->scene) < last_step(run);
     if (broken_off) status = scree_output_state(&run->output, run->scene, &run->trouble);
     if (!status && !broken_off) status = scree_output_keep(&run->output, run->scene, &run->trouble);
     /* What a stopped run has written may tell why; what couldn't be written is of no use. */
@@ -359,5 +360,5 @@ int cli_run(int count, char **words) {
     scree_scene_destroy(run.scene);
     scree_free_request(&run.request);
     free(named);
-    return !status && interrupted ? 128 + interrupted : cli_exit_code(status);
+    return !status && run.broken_off ? 128 + interrupted : cli_exit_code(status);
 }
