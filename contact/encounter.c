@@ -1,6 +1,8 @@
 /* Two bodies meet obliquely: Dormand-Prince steps that end at every event. */
 #include "contact/encounter.h"
 
+#include "contact/bristle.h"
+
 #include <stddef.h>
 
 /* What is integrated. */
@@ -20,7 +22,7 @@ struct pair {
     struct vec softness[3];          /* W, 1/kg */
     double time, length, push, load; /* scales of time, overlap, impulse, force */
     double tolerance, stretch;       /* the longest stretch so far */
-    int projects;                    /* friction cuts its memory down to what its slider holds */
+    int slider, bristles;            /* what friction remembers: a slider's stretch, or a bristle's */
 };
 
 /* What the laws keep, and the phase of the contact: constant within a step. */
@@ -37,6 +39,7 @@ struct instant {
     struct vec slip;
     struct scree_sliding at; /* what friction sees */
     struct scree_tangential friction;
+    struct scree_bent bent; /* bristles */
 };
 
 static struct vec velocity(const struct pair *p, const struct state *s) {
@@ -49,11 +52,10 @@ static struct scree_tangential rub(const struct pair *p, struct scree_sliding at
     return p->friction->force(&p->rule->friction_constants, p->of_friction, at);
 }
 
-/* Bristles under next to no load give way at once, which no explicit step follows: below a ten-thousandth of the load
- * of the impact they rest. That leaves out some 1e-7 of friction's impulse. */
-static int unloaded(const struct pair *p, const struct instant *now) {
-    return p->friction->memory && !p->projects && now->force <= 1e-4 * p->load;
-}
+/* Bristles under next to no load rest, and stay as they are: a heavily damped contact may take its time to end, with
+ * less and less load, and no explicit step follows what gives way at once. That leaves out some 1e-7 of friction's
+ * impulse. */
+static double no_load(const struct pair *p) { return 1e-4 * p->load; }
 
 static struct instant look(const struct pair *p, const struct phase *phase, const struct state *s) {
     struct instant now = {.friction = {.sliding = 0.0}};
@@ -70,10 +72,14 @@ static struct instant look(const struct pair *p, const struct phase *phase, cons
     now.at.closing = at.closing;
     now.at.stretch = vec_from(&s->y[STRETCH]);
     now.at.sliding = phase->sliding ? 1.0 : 0.0;
-    if (!unloaded(p, &now))
+    if (!p->bristles) {
         now.friction = rub(p, now.at);
-    else
-        now.friction.stretch = now.at.stretch;
+        return now;
+    }
+    now.bent =
+        scree_bend(p->friction, &p->rule->friction_constants, p->of_friction, now.at, phase->sliding, no_load(p));
+    now.friction.force = now.bent.force;
+    now.friction.stretch = vec_scale(1.0 / now.bent.k, now.bent.elastic);
     return now;
 }
 
@@ -99,23 +105,10 @@ static struct vec slipping_rate(const struct pair *p, const struct instant *now)
     return vec_axpy(vec_scale(faster, vec_axpy(rate, -along, stretch)), along, stretch);
 }
 
-/* A step so short that a stiff memory changes in proportion to it. */
-static double tiny_step(const struct pair *p, struct scree_sliding at) {
-    double half = 1e-6 * p->time;
-    for (int k = 0; !p->projects && k < 8; k++, half *= 0.1) {
-        at.half = half;
-        struct vec once = vec_sub(rub(p, at).stretch, at.stretch);
-        at.half = 2.0 * half;
-        struct vec twice = vec_sub(rub(p, at).stretch, at.stretch);
-        if (vec_norm(vec_axpy(twice, -2.0, once)) <= 0.01 * vec_norm(once)) break;
-    }
-    return half;
-}
-
 static struct vec memory_rate(const struct pair *p, const struct instant *now) {
-    if (unloaded(p, now)) return vec(0.0, 0.0, 0.0);
-    double half = tiny_step(p, now->at);
-    if (p->projects && (now->at.sliding > 0.0 || now->friction.sliding > 0.0)) return slipping_rate(p, now);
+    const double half = 1e-6 * p->time;
+    if (p->bristles) return now->force > no_load(p) ? now->bent.rate : vec(0.0, 0.0, 0.0);
+    if (p->slider && (now->at.sliding > 0.0 || now->friction.sliding > 0.0)) return slipping_rate(p, now);
     struct scree_sliding later = now->at, sooner = now->at;
     later.half = half;
     sooner.half = -half;
@@ -199,6 +192,16 @@ static int slides_on(const struct pair *p, const struct phase *phase, const stru
     return rub(p, at).sliding > 0.0;
 }
 
+/* Whether the load falls, or goes on falling, too fast for what bristles bear. */
+static int give_way(const struct pair *p, const struct phase *phase, const struct state *s, const struct instant *now) {
+    const double half = 1e-6 * p->time;
+    if (!(now->force > no_load(p))) return phase->sliding;
+    if (!phase->sliding) return vec_norm(now->bent.elastic) > now->bent.bears * (1.0 + 1e-13);
+    struct state soon = *s, rate = rates(p, phase, s);
+    for (int i = 0; i < SIZE; i++) soon.y[i] += half * rate.y[i];
+    return now->bent.bears + half * now->bent.grows > look(p, phase, &soon).bent.bears;
+}
+
 /* The phase that a state at the end of a step belongs to. */
 static struct phase phase_at(const struct pair *p, const struct phase *phase, const struct state *s) {
     struct instant now = look(p, phase, s);
@@ -207,7 +210,8 @@ static struct phase phase_at(const struct pair *p, const struct phase *phase, co
     int apart = p->normal->reach ? !(now.law.second > 0.0) : !(overlap > 0.0);
     next.over = now.closing < 0.0 && (apart || (p->normal->cut && !(now.force > 0.0)));
     next.sliding = now.friction.sliding > 0.0;
-    if (next.sliding && phase->sliding && p->projects) next.sliding = slides_on(p, phase, s, &now);
+    if (next.sliding && phase->sliding && p->slider) next.sliding = slides_on(p, phase, s, &now);
+    if (p->bristles) next.sliding = give_way(p, phase, s, &now);
     return next;
 }
 
@@ -325,10 +329,8 @@ static struct pair make_pair(const struct scree_encounter *e, const struct scree
     if (rule->friction < 0) return p;
     p.friction = scree_friction_laws[rule->friction];
     if (p.friction->pair) p.of_friction = p.friction->pair(&rule->friction_constants, mass, e->radius);
-    struct scree_sliding far = {.normal = p.load, .overlap = p.length, .stretch = {1e30, 0.0, 0.0}, .sliding = 1.0};
-    if (!p.friction->memory) return p;
-    struct scree_tangential cut = rub(&p, far);
-    p.projects = cut.sliding > 0.0 && cut.stretch.x != far.stretch.x;
+    p.slider = p.friction->hold != NULL;
+    p.bristles = p.friction->rate != NULL;
     return p;
 }
 

@@ -24,19 +24,22 @@ static inline scree_status friction_dahl_bake(const struct scree_values *values,
     return SCREE_OK;
 }
 
+static inline double friction_dahl_bears(const struct scree_law_constants *law, struct scree_sliding at) {
+    return law->c[DAHL_KINETIC] * at.normal;
+}
+
 static inline struct scree_tangential friction_dahl_force(const struct scree_law_constants *law,
                                                           struct scree_pair_constants pair, struct scree_sliding at) {
     (void)pair;
-    double g = law->c[DAHL_KINETIC] * at.normal, s0 = law->c[DAHL_STIFFNESS];
-    struct vec z = scree_bristle_cut(at.stretch, g / s0);
-    struct scree_bristle path = scree_bristle_path(at, z, s0, g);
+    double g = friction_dahl_bears(law, at), s0 = law->c[DAHL_STIFFNESS];
+    struct scree_bristle path = scree_bristle_path(at, at.stretch, s0, g, g / s0);
     return (struct scree_tangential){vec_scale(-s0, path.middle), path.end, 0.0};
 }
 
 static inline struct vec friction_dahl_rate(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                             struct scree_sliding at) {
     (void)pair;
-    return scree_bristle_rate(at, at.stretch, law->c[DAHL_STIFFNESS], law->c[DAHL_KINETIC] * at.normal);
+    return scree_bristle_rate(at, at.stretch, law->c[DAHL_STIFFNESS], friction_dahl_bears(law, at));
 }
 
 static inline double friction_dahl_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -65,6 +68,7 @@ static const struct scree_friction_law scree_friction_dahl = {
     .bake = friction_dahl_bake,
     .force = friction_dahl_force,
     .rate = friction_dahl_rate,
+    .bears = friction_dahl_bears,
     .stored = friction_dahl_stored,
     .slope = scree_zero,
     .stiffness = friction_dahl_stiffness,

@@ -33,12 +33,12 @@ static inline struct scree_tangential friction_elastoplastic_force(const struct 
     (void)pair;
     double speed = vec_norm(at.velocity), g = lugre_steady(law, at.normal, speed), s0 = law->c[LUGRE_STIFFNESS];
     double elastic = law->c[LUGRE_ELASTIC] * law->c[LUGRE_KINETIC] * at.normal / s0;
-    struct vec z = scree_bristle_cut(at.stretch, law->c[LUGRE_STATIC] * at.normal / s0);
+    double most = lugre_bears(law, at) / s0;
     /* alpha of the step: at the middle of a first guess of its path. */
-    double alpha = elastoplastic_alpha(z, at.velocity, elastic, g / s0);
-    struct scree_bristle path = scree_bristle_path(at, z, alpha * s0, g);
+    double alpha = elastoplastic_alpha(at.stretch, at.velocity, elastic, g / s0);
+    struct scree_bristle path = scree_bristle_path(at, at.stretch, alpha * s0, g, most);
     alpha = elastoplastic_alpha(path.middle, at.velocity, elastic, g / s0);
-    path = scree_bristle_path(at, z, alpha * s0, g);
+    path = scree_bristle_path(at, at.stretch, alpha * s0, g, most);
     return lugre_force(law, at, path, g, speed);
 }
 
@@ -66,6 +66,7 @@ static const struct scree_friction_law scree_friction_elastoplastic = {
     .bake = friction_elastoplastic_bake,
     .force = friction_elastoplastic_force,
     .rate = friction_elastoplastic_rate,
+    .bears = lugre_bears,
     .stored = lugre_stored,
     .slope = lugre_slope,
     .stiffness = lugre_stiffness,

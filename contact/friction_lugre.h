@@ -18,8 +18,7 @@ static inline struct scree_tangential friction_lugre_force(const struct scree_la
                                                            struct scree_pair_constants pair, struct scree_sliding at) {
     (void)pair;
     double speed = vec_norm(at.velocity), g = lugre_steady(law, at.normal, speed), s0 = law->c[LUGRE_STIFFNESS];
-    struct vec z = scree_bristle_cut(at.stretch, law->c[LUGRE_STATIC] * at.normal / s0);
-    struct scree_bristle path = scree_bristle_path(at, z, s0, g);
+    struct scree_bristle path = scree_bristle_path(at, at.stretch, s0, g, lugre_bears(law, at) / s0);
     return lugre_force(law, at, path, g, speed);
 }
 
@@ -45,6 +44,7 @@ static const struct scree_friction_law scree_friction_lugre = {
     .bake = friction_lugre_bake,
     .force = friction_lugre_force,
     .rate = friction_lugre_rate,
+    .bears = lugre_bears,
     .stored = lugre_stored,
     .slope = lugre_slope,
     .stiffness = lugre_stiffness,

@@ -1,6 +1,7 @@
 /* A contact at one instant: forces, rates of its memory, phases. */
 #include "contact/grip.h"
 
+#include "contact/bristle.h"
 #include "contact/meet.h"
 
 #include <string.h>
@@ -11,6 +12,10 @@
 int scree_grip_is_slider(const struct scree_grip *grip, int way) {
     if (way == SCREE_GRIP_FRICTION) return grip->friction && grip->friction->hold;
     return grip->rolling && grip->rolling->memory;
+}
+
+int scree_grip_may_slip(const struct scree_grip *grip, int way) {
+    return scree_grip_is_slider(grip, way) || (way == SCREE_GRIP_FRICTION && grip->friction && grip->friction->rate);
 }
 
 const char *scree_grip_refuses(const struct scree_rule *rule) {
@@ -147,10 +152,11 @@ struct slider {
 
 struct dragged {
     struct vec force, elastic, rate;
+    double grows; /* N/s, of `elastic` if it slipped without a dashpot and the load stayed */
 };
 
 static struct dragged drag(const struct slider *s, struct vec memory, struct vec v) {
-    struct dragged d;
+    struct dragged d = {.grows = 0.0};
     double unit = s->in_force ? s->k : 1.0; /* of the memory per metre of stretch */
     d.elastic = vec_scale(s->k / unit, memory);
     struct vec trial = vec_axpy(d.elastic, s->c, v);
@@ -162,16 +168,15 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
         d.force = vec_scale(-s->hold.slides / (size + SCREE_NO_SPEED), trial);
         d.rate = vec_axpy(vec_scale(-unit / s->c, vec_add(d.force, d.elastic)), s->falls, memory);
     } else {
-        double size = vec_norm(memory), speed = vec_norm(v);
-        struct vec towards = size > 0.0    ? vec_scale(1.0 / size, memory)
-                             : speed > 0.0 ? vec_scale(1.0 / speed, v)
-                                           : vec(0.0, 0.0, 0.0);
+        struct vec towards = scree_direction_of(memory, v);
+        double along = vec_dot(v, towards);
         /* It turns towards the slip over the way that the spring is stretched by; under next to no load at once, which
          * no explicit step follows and none has to: there, over a thousandth of the longest such way. */
         double way = fmax(s->hold.slides / s->k, 1e-3 * s->longest) + SCREE_NO_SPEED;
         d.force = vec_scale(-s->hold.slides, towards);
         d.elastic = vec_scale(s->hold.slides, towards);
-        d.rate = vec_scale(size / way, vec_axpy(v, -vec_dot(v, towards), towards));
+        d.rate = vec_scale(vec_norm(memory) / way, vec_axpy(v, -along, towards));
+        d.grows = s->k * along;
     }
     return d;
 }
@@ -199,6 +204,12 @@ double scree_grip_slides(const struct scree_grip *grip, int way, double load) {
     return slider_of(grip, way, load, 0.5 * grip->depth, vec(0.0, 0.0, 0.0)).hold.slides;
 }
 
+static void tell(const struct dragged *d, int way, struct scree_grip_view *view) {
+    view->rate[way] = d->rate;
+    view->elastic[way] = d->elastic;
+    view->grows[way] = d->grows;
+}
+
 /* The force against the velocity of one way, and the rate of its memory. */
 static struct vec resist(const struct scree_grip *grip, int way, double normal, struct vec memory,
                          struct scree_grip_view *view) {
@@ -209,8 +220,7 @@ static struct vec resist(const struct scree_grip *grip, int way, double normal, 
         if (way == SCREE_GRIP_FRICTION && grip->friction->rescaled && view->closing < 0.0 && view->overlap > 0.0)
             s.falls = 0.5 * view->closing / view->overlap;
         struct dragged d = drag(&s, memory, v);
-        view->rate[way] = d.rate;
-        view->elastic[way] = d.elastic;
+        tell(&d, way, view);
         view->stiffness[way] = s.k;
         view->damping_of[way] = s.c;
         view->holds[way] = s.hold.holds;
@@ -223,15 +233,12 @@ static struct vec resist(const struct scree_grip *grip, int way, double normal, 
         return grip->rolling->resist(law, law->c[which], at).force;
     }
     const struct scree_law_constants *law = &grip->rule->friction_constants;
-    struct scree_tangential t = grip->friction->force(law, grip->of_friction, at);
-    if (!grip->friction->rate) return t.force;
-    /* Bristles under next to no load give way at once, which no explicit step follows. What that leaves out is some
-     * 1e-10 of friction's impulse. */
-    at.stretch = t.stretch;
-    at.normal = fmax(normal, 1e-5 * grip->load);
-    view->rate[way] = grip->friction->rate(law, grip->of_friction, at);
-    view->stiffness[way] = grip->friction->stiffness(law, grip->of_friction, view->overlap);
-    return t.force;
+    if (!grip->friction->rate) return grip->friction->force(law, grip->of_friction, at).force;
+    struct scree_bent b = scree_bend(grip->friction, law, grip->of_friction, at, grip->slips[way], 1e-5 * grip->load);
+    tell(&(struct dragged){b.force, b.elastic, b.rate, b.grows}, way, view);
+    view->stiffness[way] = b.k;
+    view->holds[way] = view->slides[way] = b.bears;
+    return b.force;
 }
 
 static void press_normal(const struct scree_grip *grip, struct scree_grip_view *view) {
@@ -265,7 +272,7 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     view->rubbing = 0.0;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
         view->rate[way] = view->elastic[way] = zero;
-        view->stiffness[way] = view->damping_of[way] = view->holds[way] = view->slides[way] = 0.0;
+        view->stiffness[way] = view->damping_of[way] = view->holds[way] = view->slides[way] = view->grows[way] = 0.0;
     }
     set_velocities(grip, bodies, view);
     if (grip->state != SCREE_GRIP_HELD || (!grip->friction && !grip->rolling)) return;

@@ -4,7 +4,8 @@
  *
  * Within a phase all of it is smooth: the normal law is used without its cut; approach and parting are told apart by
  * the phase, not by the sign of the speed; a slider either sticks or slips. A slider without a dashpot that slips has
- * no rate of its own: its stretch is that of the force that it slides with, and only its direction is integrated. */
+ * no rate of its own: its stretch is that of the force that it slides with, and only its direction is integrated. The
+ * same goes for bristles while the load falls too fast for what they bear. */
 #ifndef SCREE_CONTACT_GRIP_H
 #define SCREE_CONTACT_GRIP_H
 
@@ -60,6 +61,7 @@ struct scree_grip_view {
     double rubbing;                                              /* power taken sideways, W */
     struct vec velocity[SCREE_GRIP_WAYS], rate[SCREE_GRIP_WAYS]; /* of each way; of its memory */
     struct vec elastic[SCREE_GRIP_WAYS];                         /* force of its spring, N */
+    double grows[SCREE_GRIP_WAYS]; /* N/s: how fast that would grow where it slips without a dashpot */
     double stiffness[SCREE_GRIP_WAYS], damping_of[SCREE_GRIP_WAYS], holds[SCREE_GRIP_WAYS], slides[SCREE_GRIP_WAYS];
 };
 
@@ -67,8 +69,9 @@ struct scree_grip_view {
 void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                      int batch, int index);
 
-/* Whether a way is a slider behind a spring. */
+/* Whether a way is a slider behind a spring; and whether it may slip, as these and bristles do. */
 int scree_grip_is_slider(const struct scree_grip *grip, int way);
+int scree_grip_may_slip(const struct scree_grip *grip, int way);
 
 /* Force per unit of a way's memory at an overlap, N/m; 1 where the force itself is kept, 0 where nothing is. */
 double scree_grip_stiffness(const struct scree_grip *grip, int way, double overlap);
@@ -124,8 +127,8 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
 void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *sooner,
                               const struct scree_grip_view *later);
 
-/* At the end of a step: remember; bristles give up what the load doesn't bear any more. 1 if memory was changed. */
-int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory);
+/* At the end of a step: remember. */
+void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view);
 
 /* Names the law that this file can't follow in time, with the reason; NULL if all can be. */
 const char *scree_grip_refuses(const struct scree_rule *rule);

@@ -195,13 +195,13 @@ void scree_grip_keep(const struct scree_grip *grip, const struct scree_grip_view
     for (int way = 0; grip->state == SCREE_GRIP_HELD && way < SCREE_GRIP_WAYS; way++) {
         int single = way == SCREE_GRIP_TWISTING, numbers = single ? 1 : 3;
         struct vec stretch = vec_from(memory + 3 * way);
-        if (scree_grip_is_slider(grip, way) && grip->slips[way] && view->damping_of[way] == 0.0) {
+        if (grip->slips[way] && view->damping_of[way] == 0.0) {
             int in_force = way == SCREE_GRIP_FRICTION && grip->friction->in_force;
             stretch = vec_scale(in_force ? 1.0 : 1.0 / view->stiffness[way], view->elastic[way]);
         }
         double numbers_of[3] = {stretch.x, stretch.y, stretch.z};
         for (int m = 0; m < numbers; m++) kept[kept_at[way] + m] = numbers_of[m];
-        kept[kept_at[way] + numbers] = grip->slips[way] ? 1.0 : 0.0;
+        kept[kept_at[way] + numbers] = grip->slips[way] && scree_grip_is_slider(grip, way) ? 1.0 : 0.0;
     }
 }
 
@@ -218,10 +218,7 @@ int scree_grip_needs_rates(const struct scree_grip *grip) {
  * on. */
 static double slip_rate(const struct scree_grip *grip, int way, const struct scree_grip_view *view,
                         const struct scree_grip_view *sooner, const struct scree_grip_view *later, double apart) {
-    double force = vec_norm(view->elastic[way]), along = 0.0;
-    if (force > 0.0) along = vec_dot(view->elastic[way], view->velocity[way]) / force;
-    if (!(force > 0.0)) along = vec_norm(view->velocity[way]);
-    double rate = view->stiffness[way] * along;
+    double rate = view->grows[way];
     rate -= (later->slides[way] - sooner->slides[way]) / apart;
     int in_stretch = way != SCREE_GRIP_FRICTION || !grip->friction->in_force;
     int falls = !in_stretch && grip->friction->rescaled && view->closing < 0.0;
@@ -271,7 +268,7 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
     if (has_band(grip))
         values[SCREE_SWITCH_BAND] = (grip->inside ? 1.0 : -1.0) * left_of_band(grip, view) / grip->speed;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++)
-        if (scree_grip_is_slider(grip, way) && !grip->wary[way])
+        if (scree_grip_may_slip(grip, way) && !grip->wary[way])
             values[SCREE_SWITCH_SLIDE + way] = slide_switch(grip, way, view, sooner, later, apart);
 }
 
@@ -338,9 +335,9 @@ void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_v
     grip->advancing = next > scree_grip_peak(grip, sooner) && next >= grip->first * (1.0 - 1e-12);
 }
 
-int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
+void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view) {
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->wary[way] -= grip->wary[way] > 0;
-    if (grip->state != SCREE_GRIP_HELD) return 0;
+    if (grip->state != SCREE_GRIP_HELD) return;
     if (!grip->directional) grip->approaching = view->closing >= 0.0;
     /* Others have pushed it together since it began. */
     if (view->overlap > 1.5 * grip->depth || fabs(view->closing) > 1.5 * grip->speed)
@@ -350,20 +347,9 @@ int scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *vie
         if (grip->advancing && f.first > grip->first) grip->first = f.first;
         if (grip->normal->reach) grip->second = 1.0;
     }
-    int changed = 0;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
         if (!grip->slips[way] || view->damping_of[way] > 0.0 || !(view->stiffness[way] > 0.0)) continue;
         double stretch = view->slides[way] / view->stiffness[way];
         if (stretch > grip->longest[way]) grip->longest[way] = stretch;
     }
-    if (!grip->friction || !grip->friction->rate) return 0;
-    struct scree_sliding at = {.normal = fmax(view->force, 0.0), .overlap = view->overlap, .velocity = view->slip};
-    at.stretch = scree_into_tangent_plane(vec_from(memory), view->normal);
-    struct vec left = grip->friction->force(&grip->rule->friction_constants, grip->of_friction, at).stretch;
-    /* Rounding must not do it. */
-    if (vec_norm(left) < 0.999999 * vec_norm(at.stretch)) {
-        vec_store(left, memory);
-        changed = 1;
-    }
-    return changed;
 }

@@ -192,6 +192,8 @@ struct scree_friction_law {
     struct scree_hold (*hold)(const struct scree_law_constants *law, struct scree_sliding at);
     struct vec (*rate)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                        struct scree_sliding at);
+    /* Of `rate`: the most that the bristles' springs bear under a load, N; as it falls they give up what is beyond. */
+    double (*bears)(const struct scree_law_constants *law, struct scree_sliding at);
     /* Of `hold`: the sliding speed (m/s) at which what the slider holds jumps. NULL: nowhere. */
     double (*band)(const struct scree_law_constants *law);
     /* Energy in the stretch, J. */

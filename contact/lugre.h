@@ -49,10 +49,14 @@ static inline double lugre_steady(const struct scree_law_constants *law, double 
     return normal * (law->c[LUGRE_KINETIC] + drop * scree_exp(-w * w));
 }
 
+static inline double lugre_bears(const struct scree_law_constants *law, struct scree_sliding at) {
+    return law->c[LUGRE_STATIC] * at.normal;
+}
+
 /* -(s_0 z + s_1 z' + s_2 N v) in the middle of the path. */
 static inline struct scree_tangential lugre_force(const struct scree_law_constants *law, struct scree_sliding at,
                                                   struct scree_bristle path, double g, double speed) {
-    double s1 = scree_bristle_dashpot(law->c[LUGRE_DAMPING], g, speed);
+    double s1 = scree_bristle_dashpot((1.0 - at.apart) * law->c[LUGRE_DAMPING], g, speed);
     struct vec force = vec_axpy(vec_scale(-law->c[LUGRE_STIFFNESS], path.middle), -s1, path.rate);
     force = vec_axpy(force, -law->c[LUGRE_VISCOUS] * at.normal, at.velocity);
     return (struct scree_tangential){force, path.end, 0.0};

@@ -290,6 +290,7 @@ struct work {
     int rubs;     /* with friction or rolling */
     int slides;   /* friction goes through the passes of a slider */
     int in_force; /* friction keeps a force */
+    int bends;    /* friction keeps what bristles are bent by */
     const double *pair[SCREE_PAIR_COLUMNS];
     double *kept[SCREE_MEMORY];
 };
@@ -311,7 +312,8 @@ static inline struct work work_on(const struct scree_contacts *contacts, const s
         .balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE,
         .rubs = friction || rule->rolling >= 0,
         .slides = friction && friction->grip,
-        .in_force = friction && friction->in_force};
+        .in_force = friction && friction->in_force,
+        .bends = friction && friction->rate};
 }
 
 /* Contacts from `first` on. */
@@ -376,6 +378,7 @@ static void press(struct work *w, int first, int count, int events, struct block
     else if (w->wants.remembers)
         lean_stretches(b, count, w->kept);
     normal_passes[rule->normal](b, count, &rule->normal_constants, w->pair, w->kept, step);
+    if (w->bends && events & CHANGES) begin_stretches(b, count, step, w->kept);
     uint32_t begins = w->in_force && events & CHANGES ? begin_forces(w, b, count) : 0;
     if (rule->friction >= 0)
         friction_passes[rule->friction](b, count, &rule->friction_constants, w->pair, w->kept, step);

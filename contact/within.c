@@ -66,7 +66,8 @@ static void rub(const struct scree_pair_motion *p, struct scree_pair_instant *at
     at->sliding = f.sliding;
 }
 
-/* The memory of such a law after `time` at the velocity and overlap of `at`, by its own rule, into `to`. */
+/* The memory of such a law after `time` at the velocity and overlap of `at` and under a load, by its own rule, into
+ * `to`. */
 static void drag(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                  const struct scree_pair_instant *at, double normal, double time, struct scree_pair_instant *to) {
     struct scree_sliding sliding = sliding_of(p, at, normal);
@@ -186,7 +187,8 @@ static void load_stage(const struct scree_pair_motion *p, struct stages *s, int 
         s->rate[k] = vec_scale(s->in_stretch ? 1.0 : drawn.k, drawn.slip);
         push_back(&drawn, load);
     } else if (p->friction) {
-        if (p->friction->memory && k > 0) drag(p, &s->at[0], &s->at[k - 1], load->normal, share, at);
+        double between = 0.5 * (s->load[0].normal + load->normal); /* on the way there */
+        if (p->friction->memory && k > 0) drag(p, &s->at[0], &s->at[k - 1], between, share, at);
         rub(p, at, load);
     }
 }

@@ -281,8 +281,7 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
     }
     note_depths(scene);
     c->fresh |= event || landed;
-    for (int k = 0; k < a->grips; k++)
-        c->fresh |= scree_grip_settle(&a->grip[k], &a->view[k], a->arrived + a->place[k]);
+    for (int k = 0; k < a->grips; k++) scree_grip_settle(&a->grip[k], &a->view[k]);
     double *y = a->y;
     a->y = a->arrived;
     a->arrived = y;

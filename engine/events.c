@@ -186,7 +186,7 @@ static double locate(struct scree_scene *scene, struct event event, double h) {
 /* ---- what both ends of a step don't show ---- */
 
 static int grips(const struct scree_grip *grip, int way) {
-    return grip->state == SCREE_GRIP_HELD && scree_grip_is_slider(grip, way);
+    return grip->state == SCREE_GRIP_HELD && scree_grip_may_slip(grip, way);
 }
 
 /* Where the parabola through values at the begin, the middle and the end is least, as a share of the step, if that is

@@ -432,6 +432,30 @@ static void test_slider_order(void) {
     }
 }
 
+/* The same of bristles, which are cut in the middle of the step to what the load bears as it falls; but where the slip
+ * turns all the while, each first half of a step turns what is too long by the fall in a step: of first order. */
+static void test_bristle_order(void) {
+    static const char *const laws[] = {"dahl", "lugre", "elastoplastic"};
+    for (int k = 0; k < 6; k++) {
+        scree_law_choice choice = {laws[k / 2], 2, {{"kinetic", 0.3}, {"stiffness", 2e3}}};
+        if (k / 2 > 0) {
+            const scree_setting more[] = {{"static", 0.4}, {"stribeck_speed", 0.02}, {"damping", 2.0}};
+            memcpy(choice.setting + 2, more, sizeof more);
+            choice.settings = 5;
+        }
+        struct friction f = make(choice);
+        struct vec fine = drag_about(&f, k % 2, 200000);
+        double error[2] = {0.0, 0.0};
+        for (int finer = 0; finer < 2; finer++)
+            for (int n = 0; n < 8; n++)
+                error[finer] += 0.125 * vec_norm(vec_sub(drag_about(&f, k % 2, (1000 << 3 * finer) + n), fine));
+        double order = log2(error[0] / error[1]) / 3.0;
+        if (getenv("SCREE_SHOW"))
+            printf("%s %d: %.2e %.2e, order %.2f\n", laws[k / 2], k % 2, error[0], error[1], order);
+        CHECK(order > (k % 2 ? 0.9 : 1.8));
+    }
+}
+
 /* A contact with Mindlin's stiffness sheared to and fro at constant load: k_t x while it sticks, and 4 mu N (A - mu
  * N/k_t) J lost per cycle once it slides. */
 static void test_mindlin_cycles(void) {
@@ -1064,6 +1088,7 @@ int main(void) {
     test_takes_energy();
     test_slider_of();
     test_slider_order();
+    test_bristle_order();
     test_mindlin_cycles();
     test_mindlin_memories();
     test_mindlin_rescaled();
