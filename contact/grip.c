@@ -138,6 +138,13 @@ void scree_grip_meet(const struct scree_grip *grip, const struct scree_bodies *b
     view->slip = vec_axpy(velocity, view->closing, m.normal);
 }
 
+double scree_grip_size(const struct scree_grip *grip, const struct scree_bodies *bodies) {
+    const struct scree_record *ball = &bodies->record[grip->contact.ball], *host = &bodies->record[grip->contact.host];
+    double size = vec_norm(vec_from(ball->x)) + ball->radius;
+    if (grip->geometry != SCREE_BALL_PLANE) size += vec_norm(vec_from(host->x)) + host->radius;
+    return size;
+}
+
 /* ---- forces ---- */
 
 /* A slider with a spring and a dashpot behind it (contact/slider.h), at an instant; `in_force`: what is kept is the

@@ -84,6 +84,9 @@ double scree_grip_slides(const struct scree_grip *grip, int way, double load);
 void scree_grip_meet(const struct scree_grip *grip, const struct scree_bodies *bodies, double overlap,
                      struct scree_grip_view *view);
 
+/* Size of the numbers whose difference the overlap is, m: it is rounded as they are. */
+double scree_grip_size(const struct scree_grip *grip, const struct scree_bodies *bodies);
+
 /* The forces of a contact that has met its partner, and the rates of its memory. */
 void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *bodies, const double *memory,
                       struct scree_grip_view *view);

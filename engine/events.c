@@ -8,11 +8,7 @@ enum { TRIES = 60 };
 
 /* Rounding of an overlap, m: those below are zero. */
 static double rounding_of(const struct scree_scene *scene, const struct scree_grip *grip) {
-    const struct scree_record *ball = &scene->bodies.record[grip->contact.ball];
-    const struct scree_record *host = &scene->bodies.record[grip->contact.host];
-    double size = vec_norm(vec_from(ball->x)) + ball->radius;
-    if (grip->geometry != SCREE_BALL_PLANE) size += vec_norm(vec_from(host->x)) + host->radius;
-    return 4.5e-16 * size;
+    return 4.5e-16 * scree_grip_size(grip, &scene->bodies);
 }
 
 /* How far below zero a switch function is still zero. */

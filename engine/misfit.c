@@ -21,10 +21,7 @@ void scree_adaptive_measure(struct scree_scene *scene) {
         double push = vec_norm(view->push), speed = sqrt(view->closing * view->closing + vec_norm2(view->slip));
         double slope =
             fabs(view->whole - view->damping * view->closing) / fmax(fabs(view->overlap), 1e-3 * grip->depth);
-        const struct scree_record *ball = &bodies->record[grip->contact.ball],
-                                  *host = &bodies->record[grip->contact.host];
-        double size = vec_norm(vec_from(ball->x)) + ball->radius;
-        if (grip->geometry != SCREE_BALL_PLANE) size += vec_norm(vec_from(host->x)) + host->radius;
+        double size = scree_grip_size(grip, bodies);
         for (int side = 0; side < 2; side++) {
             int body = side ? grip->contact.host : grip->contact.ball;
             struct scree_measure *m = &a->measure[body];
