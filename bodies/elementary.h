@@ -1,4 +1,4 @@
-/* Elementary functions built from + - x / alone.
+/* Elementary functions built from + - x / and square roots alone.
  *
  * The maths library's exp, sin and pow differ in their last bit between C libraries and even between
  * processors with one library (it picks variants with fused multiply-add). A trajectory computed with them would
@@ -8,6 +8,7 @@
 #ifndef SCREE_BODIES_ELEMENTARY_H
 #define SCREE_BODIES_ELEMENTARY_H
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -81,6 +82,18 @@ static inline double scree_pow(double x, double p) {
     int tiny = x < 1e-300;
     double value = scree_exp(p * scree_log(tiny ? 1e-300 : x));
     return tiny ? 0.0 : value;
+}
+
+/* x to a whole power >= 0. */
+static inline double scree_whole_power(double x, int power) {
+    double y = 1.0;
+    for (int k = 0; k < power; k++) y *= x;
+    return y;
+}
+
+/* The first, second or fourth root of x >= 0. */
+static inline double scree_whole_root(double x, int root) {
+    return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : x;
 }
 
 /* tanh(x). */

@@ -303,12 +303,6 @@ static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_r
 
 /* ---- where the force sets in as a root of the overlap ---- */
 
-static SCREE_INLINE double whole_power(double x, int power) {
-    double y = 1.0;
-    for (int i = 0; i < power; i++) y *= x;
-    return y;
-}
-
 /* What a contact has yielded since a time: impulses and their integrals, and where its slider is. */
 struct yields {
     double press, press_moment, rubbed;
@@ -373,7 +367,7 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
     }
     struct yields end = start;
     for (int i = 0; i < 5; i++) { /* the last: the end */
-        double sigma = to->sigma[k] + node[i] * size, lower = whole_power(sigma, laws.root - 1);
+        double sigma = to->sigma[k] + node[i] * size, lower = scree_whole_power(sigma, laws.root - 1);
         double t = to->offset[k] + span * lower * sigma;
         struct yields now = i == 4 ? end : add_yields(start, node[i] * along, &rate);
         if (i == 0) began = t;

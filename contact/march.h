@@ -222,8 +222,7 @@ static int set_clock(const struct smooth_pass *pass, int k, int ends, struct mar
     struct rk_step *to = &x->to;
     double time = to->time[k], away = fabs(x->c.d[k] / x->c.u[k]), over = away - time, way = way_by_clock(x, k);
     over = ends || !(over > 0.0) ? 0.0 : over;
-    double other = x->by_clock > 0 ? away : over, near = sqrt(other / (time + other));
-    if (pass->root == 4) near = sqrt(near);
+    double other = x->by_clock > 0 ? away : over, near = scree_whole_root(other / (time + other), pass->root);
     int parts = 1 + (int)(way / x->m.grid[k] * (1.0 - 1e-12)), pieces = other < 1.5 * way ? 2 + 2 * parts : parts;
     to->span[k] = x->by_clock * (time + other);
     to->offset[k] = x->by_clock > 0 ? -other : time + other;

@@ -272,12 +272,6 @@ static struct nearness nearness_of(const struct scree_pair_motion *p, const stru
     return near;
 }
 
-static double whole_power(double x, int power) {
-    double y = 1.0;
-    for (int k = 0; k < power; k++) y *= x;
-    return y;
-}
-
 /* The state after the time `t` since `from`, in which the contact has yielded so much. */
 static void place(const struct scree_pair_motion *p, const struct scree_pair_instant *from, double t,
                   const struct scree_pair_yield *yield, struct scree_pair_instant *at) {
@@ -293,17 +287,13 @@ struct clock {
     int root, pieces, backwards;
 };
 
-static double whole_root(double x, int root) {
-    return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : scree_power(x, 1.0 / root);
-}
-
 static struct clock clock_for(const struct scree_pair_motion *p, struct nearness near, double time) {
     struct clock c = {.root = p->root, .time = time, .backwards = near.since < 0.0};
     double rest = c.backwards ? fmax(near.until - time, 0.0) : near.since;
     c.since = near.since;
     c.until = time + rest;
     c.span = time + rest;
-    double nearest = whole_root(rest / c.span, c.root);
+    double nearest = scree_whole_root(rest / c.span, c.root);
     c.pieces = rest < 1.5 * time ? 4 : 1;
     if (c.pieces < p->substeps) c.pieces = p->substeps;
     c.first = c.backwards ? 0.0 : nearest;
@@ -314,7 +304,7 @@ static struct clock clock_for(const struct scree_pair_motion *p, struct nearness
 /* Time after `ticks` of `size`, and its derivative by the variable. */
 static double clock_time(const struct clock *c, double ticks, double *along) {
     double sigma = c->first + c->size * ticks, x = c->backwards ? 1.0 - sigma : sigma;
-    double lower = whole_power(x, c->root - 1);
+    double lower = scree_whole_power(x, c->root - 1);
     *along = c->span * c->root * lower;
     if (ticks == c->pieces) return c->time;
     if (ticks == 0.0) return 0.0;

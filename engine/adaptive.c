@@ -1,6 +1,8 @@
 /* The adaptive integrator: unknowns, rates, contacts. */
 #include "engine/adaptive.h"
 
+#include "bodies/elementary.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -155,7 +157,7 @@ static void act(struct scree_scene *scene, const double *y, double *rates) {
         struct scree_grip *grip = &a->grip[k];
         int held = grip->state == SCREE_GRIP_HELD;
         if (!held && !a->every) continue;
-        double overlap = k == a->clock ? scree_adaptive_power(y[Y_CLOCK], a->root) - a->offset : NAN;
+        double overlap = k == a->clock ? scree_whole_power(y[Y_CLOCK], a->root) - a->offset : NAN;
         scree_grip_meet(grip, &scene->bodies, overlap, &a->view[k]);
         scree_grip_press(grip, &scene->bodies, y + a->place[k], &a->view[k]);
         if (!held) continue;
@@ -216,7 +218,7 @@ void scree_adaptive_rates(void *context, const double *y, double *rates) {
     rates[Y_TIME] = 1.0;
     if (a->clock < 0) return;
     /* All rates by the clock instead of by time: d = s^p - offset, d(d)/dt = closing. */
-    double s = y[Y_CLOCK], by_clock = a->root * scree_adaptive_power(s, a->root - 1) / a->view[a->clock].closing;
+    double s = y[Y_CLOCK], by_clock = a->root * scree_whole_power(s, a->root - 1) / a->view[a->clock].closing;
     for (size_t i = 0; i < a->work.size; i++) rates[i] *= by_clock;
     rates[Y_CLOCK] = 1.0;
 }

@@ -66,12 +66,6 @@ struct scree_adaptive {
     double tick;            /* length of the next step by the clock, in its unit */
 };
 
-static inline double scree_adaptive_power(double s, int power) {
-    double y = 1.0;
-    for (int k = 0; k < power; k++) y *= s;
-    return y;
-}
-
 /* How many unknowns the memory of a contact takes. */
 static inline int scree_adaptive_memory_size(const struct scree_grip *grip) {
     return (grip->friction && grip->friction->memory) || (grip->rolling && grip->rolling->memory) ? SCREE_GRIP_MEMORY

@@ -1,4 +1,5 @@
 /* Events of the adaptive integrator: where a law changes within a step, and clocks that make the change smooth. */
+#include "bodies/elementary.h"
 #include "engine/adaptive.h"
 
 #include <math.h>
@@ -276,8 +277,6 @@ int scree_adaptive_event(struct scree_scene *scene, double *h) {
 
 /* ---- clocks ---- */
 
-static double root_of(double x, int root) { return root == 2 ? sqrt(x) : root == 4 ? sqrt(sqrt(x)) : x; }
-
 /* Up to which share of the contact's scale its root is the clock. */
 static double clock_share(const struct scree_grip *grip) { return grip->root == 4 ? 0.24 : 0.2; }
 
@@ -330,7 +329,7 @@ int scree_adaptive_clock(struct scree_scene *scene, double left) {
     a->parting = parting;
     a->root = parting ? grip->end_root : grip->root;
     a->offset = offset;
-    a->goal = parting ? 0.0 : root_of(share * grip->depth, a->root);
-    a->y[Y_CLOCK] = root_of(fmax(a->view[best].overlap + offset, 0.0), a->root);
+    a->goal = parting ? 0.0 : scree_whole_root(share * grip->depth, a->root);
+    a->y[Y_CLOCK] = scree_whole_root(fmax(a->view[best].overlap + offset, 0.0), a->root);
     return 1;
 }

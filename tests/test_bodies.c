@@ -41,6 +41,8 @@ static void test_elementary(void) {
     CHECK(scree_exp(0.0) == 1.0 && scree_log(1.0) == 0.0 && scree_tanh(0.0) == 0.0 && scree_pow(0.0, 1.5) == 0.0);
     CHECK(scree_exp(1000.0) < INFINITY && scree_exp(-1000.0) > 0.0);
     CHECK(scree_tanh(-0.3) == -scree_tanh(0.3) && scree_tanh(1e-9) == 1e-9);
+    CHECK(scree_whole_power(3.0, 4) == 81.0 && scree_whole_power(3.0, 1) == 3.0 && scree_whole_power(0.0, 0) == 1.0);
+    for (int root = 1; root <= 4; root *= 2) CHECK(scree_whole_power(scree_whole_root(81.0, root), root) == 81.0);
 }
 
 /* Whatever comes after it, what was no number stays none. */
