@@ -12,8 +12,6 @@ static const double stiffnesses[STIFFNESSES] = {1e4, 1e5, 1e6}; /* N/m, of the t
 struct transport {
     double cycles, stiffness; /* 1/min, N/m */
     double error;             /* how far the product ends beyond its place, m */
-    scree_status status;
-    scree_trouble trouble;
 };
 
 /* The transport scene at an operating speed: the comb rises to its dwell and stays there. */
@@ -34,32 +32,23 @@ static double rear_face(const scree_scene *scene) {
     return scree_scene_body(scene, scree_scene_find_body(scene, "product")).position[0] - 0.015;
 }
 
-static void run_transport(const struct figures *figures, struct transport *transport) {
+static scree_status run_transport(const struct figures *figures, void *transports, int k, scree_trouble *trouble) {
+    struct transport *transport = (struct transport *)transports + k;
     /* 40 steps in the time of a swing between product and tines, and enough for the surfaces. */
     double step = fmin(5e-6, 2.0 * 3.14 * sqrt(0.03 / transport->stiffness) / 40.0);
-    scree_scene *scene = transport_scene(figures, transport->cycles, transport->stiffness, step, &transport->trouble);
-    transport->status = scene ? SCREE_OK : transport->trouble.status;
-    if (!scene) return;
+    scree_scene *scene = transport_scene(figures, transport->cycles, transport->stiffness, step, trouble);
+    if (!scene) return trouble->status;
+    scree_status status = SCREE_OK;
     double duration = scree_conventional_duration(&rigid, transport->cycles), speed = 1.0;
     int product = scree_scene_find_body(scene, "product");
-    while (!transport->status && (scree_scene_time(scene) < duration || fabs(speed) > 1e-9)) {
-        transport->status = scree_scene_step(scene, 200);
+    while (!status && (scree_scene_time(scene) < duration || fabs(speed) > 1e-9)) {
+        status = scree_scene_step(scene, 200);
         speed = scree_scene_body(scene, product).velocity[0];
     }
-    if (transport->status) transport->trouble = *scree_scene_trouble(scene);
+    if (status) *trouble = *scree_scene_trouble(scene);
     transport->error = rear_face(scene) - rigid.stroke;
     scree_scene_destroy(scene);
-}
-
-static scree_status run_transports(struct figures *figures, struct transport *transports, int count) {
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < count; k++) run_transport(figures, &transports[k]);
-    for (int k = 0; k < count; k++) {
-        if (!transports[k].status) continue;
-        figures->trouble = transports[k].trouble;
-        return transports[k].status;
-    }
-    return SCREE_OK;
+    return status;
 }
 
 /* ---- figure 5a ---- */
@@ -152,7 +141,7 @@ scree_status figure_6a(struct figures *figures) {
     for (int k = 0; k < STIFFNESSES; k++)
         for (int n = 0; n < SPEEDS; n++)
             transports[k][n] = (struct transport){.cycles = 50.0 + 5.0 * n, .stiffness = stiffnesses[k]};
-    scree_status status = run_transports(figures, transports[0], STIFFNESSES * SPEEDS);
+    scree_status status = figures_do(figures, run_transport, transports[0], STIFFNESSES * SPEEDS);
     if (!status) status = write_6a(figures, transports);
     if (status) return status;
     static const int shown[] = {6, 8, 10, 14}; /* 80, 90, 100, 120 cycles/min */

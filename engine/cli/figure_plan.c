@@ -20,18 +20,29 @@ enum { PLANS = sizeof expected / sizeof expected[0] };
 struct planned {
     scree_plan plan;
     struct process_run run;
-    scree_status status;
 };
 
-static void plan_and_run(const struct process *process, double cycles, enum scree_formulation formulation,
-                         struct planned *planned) {
-    scree_plan_options options = {.formulation = formulation, .process = process_catch, .clearance = 1e-7};
-    options.context = (void *)(uintptr_t)process; /* only read */
-    scree_plan_make(&figures_task, cycles, &options, &planned->plan);
-    planned->status = planned->plan.state == SCREE_PLAN_GOOD
-                          ? process_simulate(process, &planned->plan.profile, figures_task.distance, &planned->run)
-                          : scree_report(&planned->run.trouble, SCREE_FAILED, NULL, "no plan for %g cycles/min: %s",
-                                         cycles, planned->plan.text);
+/* All of them, and the process model that they share. */
+struct all_planned {
+    struct process process;
+    struct planned planned[PLANS];
+};
+
+static scree_status plan_and_run(const struct figures *figures, void *context, int k, scree_trouble *trouble) {
+    (void)figures;
+    struct all_planned *all = context;
+    struct planned *planned = &all->planned[k];
+    scree_plan_options options = {.formulation = expected[k].formulation,
+                                  .process = process_catch,
+                                  .context = &all->process, /* only read */
+                                  .clearance = 1e-7};
+    scree_plan_make(&figures_task, expected[k].cycles, &options, &planned->plan);
+    if (planned->plan.state != SCREE_PLAN_GOOD)
+        return scree_report(trouble, SCREE_FAILED, NULL, "no plan for %g cycles/min: %s", expected[k].cycles,
+                            planned->plan.text);
+    scree_status status = process_simulate(&all->process, &planned->plan.profile, figures_task.distance, &planned->run);
+    if (status) *trouble = planned->run.trouble;
+    return status;
 }
 
 static void report_plan(struct figures *figures, int k, const struct planned *planned) {
@@ -80,21 +91,12 @@ static scree_status write_run(struct figures *figures, const struct process *pro
 }
 
 scree_status figure_5b(struct figures *figures) {
-    static struct planned planned[PLANS];
-    struct process process;
-    scree_status status = figures_process(figures, &process);
-    if (!status) {
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-        for (int k = 0; k < PLANS; k++)
-            plan_and_run(&process, expected[k].cycles, expected[k].formulation, &planned[k]);
-    }
-    for (int k = 0; k < PLANS && !status; k++) {
-        status = planned[k].status;
-        if (status) figures->trouble = planned[k].run.trouble;
-    }
-    for (int k = 0; k < PLANS && !status; k++) report_plan(figures, k, &planned[k]);
-    if (!status) status = write_run(figures, &process, &planned[2].plan, "fig_5b");
-    process_free(&process);
+    static struct all_planned all;
+    scree_status status = figures_process(figures, &all.process);
+    if (!status) status = figures_do(figures, plan_and_run, &all, PLANS);
+    for (int k = 0; k < PLANS && !status; k++) report_plan(figures, k, &all.planned[k]);
+    if (!status) status = write_run(figures, &all.process, &all.planned[2].plan, "fig_5b");
+    process_free(&all.process);
     return status ? status : figures_plot(figures, "fig_5b", script_5b);
 }
 

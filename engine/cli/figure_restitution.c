@@ -41,8 +41,6 @@ struct meeting {
     double speed, simulated,
         expected;    /* m/s: of the comb; of the product after, simulated and by the pair's own equation */
     double constant; /* (1 + e(v)) v by the law's closed form, NAN if it has none */
-    scree_status status;
-    scree_trouble trouble;
 };
 
 static void write_choice(const scree_law_choice *choice, char *text, size_t size) {
@@ -53,11 +51,11 @@ static void write_choice(const scree_law_choice *choice, char *text, size_t size
     snprintf(text + used, size - (size_t)used, "}");
 }
 
-static void expect(int law, struct meeting *meeting) {
+static scree_status expect(int law, struct meeting *meeting, scree_trouble *trouble) {
     scree_contact_def def = {.normal = laws[law].choice};
     struct scree_rule rule;
-    meeting->status = scree_bake_rule(&def, NULL, &rule, &meeting->trouble);
-    if (meeting->status) return;
+    scree_status status = scree_bake_rule(&def, NULL, &rule, trouble);
+    if (status) return status;
     const struct scree_normal_law *normal = scree_normal_laws[rule.normal];
     struct scree_pair_constants pair = normal->pair(&rule.normal_constants, mass, 0.0);
     double friction = laws[law].friction ? mu_k * mass * gravity : 0.0;
@@ -68,6 +66,7 @@ static void expect(int law, struct meeting *meeting) {
     if (normal->restitution)
         meeting->constant =
             (1.0 + normal->restitution(&rule.normal_constants, pair, mass, meeting->speed)) * meeting->speed;
+    return SCREE_OK;
 }
 
 /* Comb and product touch at the start; run until no tine touches, and then to the end of the parting itself, which lies
@@ -88,7 +87,7 @@ static scree_status run_meeting(scree_scene *scene, struct meeting *meeting, int
     return SCREE_OK;
 }
 
-static void simulate(const struct figures *figures, int law, struct meeting *meeting) {
+static scree_status simulate(const struct figures *figures, int law, struct meeting *meeting, scree_trouble *trouble) {
     char velocity[64], choice[256];
     snprintf(velocity, sizeof velocity, "motion.stroke.velocity=%.17g", meeting->speed);
     write_choice(&laws[law].choice, choice, sizeof choice);
@@ -97,30 +96,20 @@ static void simulate(const struct figures *figures, int law, struct meeting *mee
      * friction. */
     const char *changes[] = {velocity, choice, "time.step=2e-7", "body.product.joint={turn=\"fixed\"}",
                              "contact.0.friction={law=\"stick-slip\", static=0.3, kinetic=0.3, threshold=5e-5}"};
-    scree_scene *scene =
-        figures_scene(figures, "restitution.toml", changes, laws[law].friction ? 5 : 2, &meeting->trouble);
-    meeting->status = scene ? SCREE_OK : meeting->trouble.status;
-    if (!scene) return;
-    meeting->status = run_meeting(scene, meeting, laws[law].friction);
-    if (meeting->status) meeting->trouble = *scree_scene_trouble(scene);
+    scree_scene *scene = figures_scene(figures, "restitution.toml", changes, laws[law].friction ? 5 : 2, trouble);
+    if (!scene) return trouble->status;
+    scree_status status = run_meeting(scene, meeting, laws[law].friction);
+    if (status) *trouble = *scree_scene_trouble(scene);
     scree_scene_destroy(scene);
+    return status;
 }
 
-static scree_status run_all(struct figures *figures, struct meeting meetings[LAWS][SPEEDS]) {
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int n = 0; n < LAWS * SPEEDS; n++) {
-        struct meeting *meeting = &meetings[n / SPEEDS][n % SPEEDS];
-        *meeting = (struct meeting){.speed = 0.1 * (1 + n % SPEEDS)};
-        expect(n / SPEEDS, meeting);
-        if (!meeting->status) simulate(figures, n / SPEEDS, meeting);
-    }
-    for (int n = 0; n < LAWS * SPEEDS; n++) {
-        struct meeting *meeting = &meetings[n / SPEEDS][n % SPEEDS];
-        if (!meeting->status) continue;
-        figures->trouble = meeting->trouble;
-        return meeting->status;
-    }
-    return SCREE_OK;
+/* Meeting n of all laws at all speeds. */
+static scree_status meet(const struct figures *figures, void *meetings, int n, scree_trouble *trouble) {
+    struct meeting *meeting = (struct meeting *)meetings + n;
+    *meeting = (struct meeting){.speed = 0.1 * (1 + n % SPEEDS)};
+    scree_status status = expect(n / SPEEDS, meeting, trouble);
+    return status ? status : simulate(figures, n / SPEEDS, meeting, trouble);
 }
 
 static scree_status write_table(struct figures *figures, struct meeting meetings[LAWS][SPEEDS]) {
@@ -165,7 +154,7 @@ static double bound_at(int law, double speed) {
 
 scree_status figure_13(struct figures *figures) {
     static struct meeting meetings[LAWS][SPEEDS];
-    scree_status status = run_all(figures, meetings);
+    scree_status status = figures_do(figures, meet, meetings[0], LAWS * SPEEDS);
     if (!status) status = write_table(figures, meetings);
     if (status) return status;
     for (int law = 0; law < LAWS; law++) {

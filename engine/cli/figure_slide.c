@@ -32,8 +32,6 @@ struct slide {
     double threshold;      /* m/s */
     int upright;           /* the product can't pitch */
     double left, distance; /* result: speed after the impact, m/s; way from there to rest, m */
-    scree_status status;
-    scree_trouble trouble;
 };
 
 /* Step until the product has met the tines and is free of them again. */
@@ -50,7 +48,8 @@ static scree_status pass_impact(scree_scene *scene) {
     return SCREE_OK;
 }
 
-static void run_slide(const struct figures *figures, struct slide *slide) {
+static scree_status run_slide(const struct figures *figures, void *slides, int k, scree_trouble *trouble) {
+    struct slide *slide = (struct slide *)slides + k;
     char velocity[64], duration[64], threshold[64], start[64], end[64];
     /* The comb reaches the product after 1 mm, and stops 2.5 ms later, well after the impact of 1.5 ms. */
     snprintf(velocity, sizeof velocity, "motion.stroke.velocity=%.17g", slide->speed);
@@ -60,36 +59,24 @@ static void run_slide(const struct figures *figures, struct slide *slide) {
     snprintf(start, sizeof start, "body.product.velocity=[%.17g,0.0,0.0]", slide->start);
     snprintf(end, sizeof end, "time.end=%.17g", 100.0);
     const char *changes[] = {velocity, duration, threshold, start, end, "body.product.joint={turn=\"fixed\"}"};
-    scree_scene *scene =
-        figures_scene(figures, "impact_and_slide.toml", changes, slide->upright ? 6 : 5, &slide->trouble);
-    slide->status = scene ? SCREE_OK : slide->trouble.status;
-    if (!scene) return;
+    scree_scene *scene = figures_scene(figures, "impact_and_slide.toml", changes, slide->upright ? 6 : 5, trouble);
+    if (!scene) return trouble->status;
+    scree_status status = SCREE_OK;
     int product = scree_scene_find_body(scene, "product");
-    if (slide->speed > 0.0) slide->status = pass_impact(scene);
+    if (slide->speed > 0.0) status = pass_impact(scene);
     /* The impact makes the product swing on its corner springs; take its speed when that has died away. */
-    if (slide->speed > 0.0 && !slide->status)
-        slide->status = scree_scene_step(scene, lround(0.01 / scree_scene_step_length(scene)));
+    if (slide->speed > 0.0 && !status) status = scree_scene_step(scene, lround(0.01 / scree_scene_step_length(scene)));
     scree_body_state state = scree_scene_body(scene, product);
     double x = state.position[0];
     slide->left = state.velocity[0];
-    while (!slide->status && fabs(state.velocity[0]) > 1e-12) {
-        slide->status = scree_scene_step(scene, 200);
+    while (!status && fabs(state.velocity[0]) > 1e-12) {
+        status = scree_scene_step(scene, 200);
         state = scree_scene_body(scene, product);
     }
-    if (slide->status) slide->trouble = *scree_scene_trouble(scene);
+    if (status) *trouble = *scree_scene_trouble(scene);
     slide->distance = state.position[0] - x;
     scree_scene_destroy(scene);
-}
-
-static scree_status run_slides(struct figures *figures, struct slide *slides, int count) {
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < count; k++) run_slide(figures, &slides[k]);
-    for (int k = 0; k < count; k++) {
-        if (!slides[k].status) continue;
-        figures->trouble = slides[k].trouble;
-        return slides[k].status;
-    }
-    return SCREE_OK;
+    return status;
 }
 
 static const char script[] =
@@ -132,7 +119,7 @@ scree_status figure_12(struct figures *figures) {
     for (int t = 0; t < THRESHOLDS; t++)
         for (int k = 0; k < SPEEDS; k++)
             slides[t][k] = (struct slide){.speed = 0.1 * pow(10.0, k / 11.0), .threshold = thresholds[t]};
-    scree_status status = run_slides(figures, slides[0], THRESHOLDS * SPEEDS);
+    scree_status status = figures_do(figures, run_slide, slides[0], THRESHOLDS * SPEEDS);
     if (!status) status = write_slides(figures, slides);
     if (status) return status;
     double worst = 0.0;
@@ -155,7 +142,7 @@ scree_status figure_12(struct figures *figures) {
                              {.start = 1.0, .threshold = 1e-2, .upright = 1},
                              {.start = 0.1, .threshold = 1e-3, .upright = 1},
                              {.start = 1.0, .threshold = 1e-3, .upright = 1}};
-    status = run_slides(figures, alone, 4);
+    status = figures_do(figures, run_slide, alone, 4);
     if (status) return status;
     for (int k = 0; k < 4; k++) {
         char quantity[96];

@@ -7,29 +7,21 @@
 
 /* One motion at one speed, simulated with all tines. */
 struct trial {
+    const struct process *process;
     double cycles;
     struct scree_profile profile;
     double restitution; /* of the tines */
     struct process_run run;
-    scree_status status;
 };
 
-static void run_trial(const struct process *process, struct trial *trial) {
-    struct process with = *process;
+static scree_status run_trial(const struct figures *figures, void *trials, int k, scree_trouble *trouble) {
+    (void)figures;
+    struct trial *trial = (struct trial *)trials + k;
+    struct process with = *trial->process;
     with.tine_restitution = trial->restitution;
-    trial->status = process_simulate(&with, &trial->profile, figures_task.distance, &trial->run);
-}
-
-static scree_status run_trials(struct figures *figures, const struct process *process, struct trial *trials,
-                               int count) {
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int k = 0; k < count; k++) run_trial(process, &trials[k]);
-    for (int k = 0; k < count; k++) {
-        if (!trials[k].status) continue;
-        figures->trouble = trials[k].run.trouble;
-        return trials[k].status;
-    }
-    return SCREE_OK;
+    scree_status status = process_simulate(&with, &trial->profile, figures_task.distance, &trial->run);
+    if (status) *trouble = trial->run.trouble;
+    return status;
 }
 
 static scree_status no_plan(struct figures *figures, const scree_plan *plan) {
@@ -81,13 +73,10 @@ static scree_status write_6b(struct figures *figures, const scree_plan *design, 
 static scree_status bisect(struct figures *figures, const struct process *process, const scree_plan *design,
                            double good, double bad, double *limit) {
     for (int k = 0; k < 12; k++) {
-        struct trial trial = {.cycles = 0.5 * (good + bad), .restitution = 0.5};
+        struct trial trial = {.process = process, .cycles = 0.5 * (good + bad), .restitution = 0.5};
         trial.profile = scaled_to(design, trial.cycles);
-        run_trial(process, &trial);
-        if (trial.status) {
-            figures->trouble = trial.run.trouble;
-            return trial.status;
-        }
+        scree_status status = run_trial(figures, &trial, 0, &figures->trouble);
+        if (status) return status;
         if (fabs(trial.run.error) <= tolerance)
             good = trial.cycles;
         else
@@ -142,12 +131,14 @@ scree_status figure_6b(struct figures *figures) {
         /* Slow runs are long: wider apart below 200/min. */
         int n = k / 2;
         double cycles = n < 9 ? 40.0 + 20.0 * n : 200.0 + 12.5 * (n - 8);
-        trials[k] =
-            (struct trial){.cycles = cycles, .restitution = restitutions[k % 2], .profile = scaled_to(&design, cycles)};
+        trials[k] = (struct trial){.process = &process,
+                                   .cycles = cycles,
+                                   .restitution = restitutions[k % 2],
+                                   .profile = scaled_to(&design, cycles)};
     }
     scree_status status = figures_process(figures, &process);
     process.step = 1e-5; /* half the digits of 5e-6, more than the plot shows */
-    if (!status) status = run_trials(figures, &process, trials, MOST_TRIALS);
+    if (!status) status = figures_do(figures, run_trial, trials, MOST_TRIALS);
     if (!status) status = write_6b(figures, &design, trials);
     if (!status) status = report_6b(figures, &process, &design);
     process_free(&process);
@@ -203,11 +194,12 @@ static scree_status report_16(struct figures *figures, const struct process *pro
     for (int n = 0; n < SPEEDS_16; n++) {
         struct trial *fresh = &trials[2 * n], *between = &trials[2 * n + 1];
         if (plans[n].state) return no_plan(figures, &plans[n]);
-        *fresh = *between = (struct trial){.cycles = plans[n].cycles, .restitution = 0.5, .profile = plans[n].profile};
+        *fresh = *between = (struct trial){
+            .process = process, .cycles = plans[n].cycles, .restitution = 0.5, .profile = plans[n].profile};
         if (scree_map_profile(map, between->cycles, &between->profile))
             return scree_report(&figures->trouble, SCREE_FAILED, NULL, "the map has a hole at %g", between->cycles);
     }
-    scree_status status = run_trials(figures, process, trials, 2 * SPEEDS_16);
+    scree_status status = figures_do(figures, run_trial, trials, 2 * SPEEDS_16);
     if (status) return status;
     for (int n = 0; n < 2 * SPEEDS_16; n++) {
         position[n % 2] = scree_most(position[n % 2], fabs(trials[n].run.error));
@@ -306,10 +298,11 @@ scree_status figure_forces(struct figures *figures) {
         double cycles = 125.0 + 25.0 * n;
         scree_plan_make(&figures_task, cycles, &plan_options, &plan);
         if (plan.state) status = no_plan(figures, &plan);
-        trials[2 * n] = (struct trial){.cycles = cycles, .restitution = 0.5, .profile = conventional_profile(cycles)};
-        trials[2 * n + 1] = (struct trial){.cycles = cycles, .restitution = 0.5, .profile = plan.profile};
+        trials[2 * n] = trials[2 * n + 1] =
+            (struct trial){.process = &process, .cycles = cycles, .restitution = 0.5, .profile = plan.profile};
+        trials[2 * n].profile = conventional_profile(cycles);
     }
-    if (!status) status = run_trials(figures, &process, trials, 2 * SPEEDS_F);
+    if (!status) status = figures_do(figures, run_trial, trials, 2 * SPEEDS_F);
     process_free(&process);
     struct scree_out out = {0};
     if (!status)

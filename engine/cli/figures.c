@@ -100,6 +100,23 @@ scree_scene *figures_scene_text(struct figures *figures, const char *text) {
     return scene;
 }
 
+scree_status figures_do(struct figures *figures, figures_job *job, void *jobs, int count) {
+    int first = count;
+    scree_status status = SCREE_OK;
+#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
+    for (int k = 0; k < count; k++) {
+        scree_trouble trouble = {0};
+        scree_status own = job(figures, jobs, k, &trouble);
+#pragma omp critical
+        if (own && k < first) {
+            first = k;
+            status = own;
+            figures->trouble = trouble;
+        }
+    }
+    return status;
+}
+
 scree_status figures_step(struct figures *figures, scree_scene *scene, long steps) {
     scree_status status = scree_scene_step(scene, steps);
     if (status) figures->trouble = *scree_scene_trouble(scene);

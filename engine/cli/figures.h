@@ -94,6 +94,10 @@ scree_scene *figures_scene(const struct figures *figures, const char *file, cons
 /* The same from the text of a scene file. */
 scree_scene *figures_scene_text(struct figures *figures, const char *text);
 
+/* Do jobs 0 to count - 1, several at a time. Of those that fail the first, by its number, is the failure of all. */
+typedef scree_status figures_job(const struct figures *figures, void *jobs, int k, scree_trouble *trouble);
+scree_status figures_do(struct figures *figures, figures_job *job, void *jobs, int count);
+
 /* Step; the reason of a failure goes into the trouble record. */
 scree_status figures_step(struct figures *figures, scree_scene *scene, long steps);
 

@@ -11,8 +11,6 @@ static const double pi = 3.14159265358979323846, share = 0.05, restitution = 0.9
 
 struct gas {
     double temperature[ROWS]; /* mean of v^2/3, at each unit of time */
-    scree_status status;
-    scree_trouble trouble;
 };
 
 /* Two normal deviates from two even ones (Box & Muller 1958); the generator is Knuth's, MMIX. */
@@ -81,30 +79,32 @@ static scree_status make_gas(scree_scene *scene, double (*position)[3], double (
     return status ? status : scree_scene_bake(scene);
 }
 
-static void cool(struct gas *gas, int run) {
+static scree_status cool(const struct figures *figures, void *runs, int run, scree_trouble *trouble) {
+    (void)figures;
+    struct gas *gas = (struct gas *)runs + run;
     double side = cbrt(COUNT * pi / 6.0 / share);
     double(*state)[3] = malloc(2 * COUNT * sizeof *state);
     scree_scene *scene = scree_scene_create();
-    gas->status = state && scene
-                      ? SCREE_OK
-                      : scree_report(&gas->trouble, SCREE_NO_MEMORY, NULL, "no memory for %d spheres", COUNT);
-    if (!gas->status) {
+    scree_status status = SCREE_OK;
+    if (!state || !scene) status = scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for %d spheres", COUNT);
+    if (!status) {
         place_all(state, side, 2 * (uint64_t)run + 1);
         throw_all(state + COUNT, 2 * (uint64_t)run + 2);
-        gas->status = make_gas(scene, state, state + COUNT, side);
+        status = make_gas(scene, state, state + COUNT, side);
     }
-    for (int row = 0; row < ROWS && !gas->status; row++) {
+    for (int row = 0; row < ROWS && !status; row++) {
         double square = 0.0;
-        if (row) gas->status = scree_scene_step(scene, lround(1.0 / scree_scene_step_length(scene)));
+        if (row) status = scree_scene_step(scene, lround(1.0 / scree_scene_step_length(scene)));
         for (int k = 0; k < COUNT; k++) {
             scree_body_state sphere = scree_scene_body(scene, k);
             for (int i = 0; i < 3; i++) square += sphere.velocity[i] * sphere.velocity[i];
         }
         gas->temperature[row] = square / (3.0 * COUNT);
     }
-    if (gas->status && scene && state) gas->trouble = *scree_scene_trouble(scene);
+    if (status && scene && state) *trouble = *scree_scene_trouble(scene);
     scree_scene_destroy(scene);
     free(state);
+    return status;
 }
 
 static scree_status write_gas(struct figures *figures, const struct gas gas[RUNS], double tau) {
@@ -134,21 +134,17 @@ static const char script[] = "set title 'A granular gas cools: e = 0.9, 5 % fill
  * Granular Matter 1 (1998) 57; data/reference/haff_cooling.csv). */
 scree_status suite_haff(struct figures *figures) {
     static struct gas gas[RUNS];
-#pragma omp parallel for schedule(dynamic) num_threads(figures->threads)
-    for (int run = 0; run < RUNS; run++) cool(&gas[run], run);
+    scree_status status = figures_do(figures, cool, gas, RUNS);
+    if (status) return status;
     double e = restitution, mean = 0.0;
     double g2 = (1.0 - 0.5 * share) / pow(1.0 - share, 3.0), nu = 4.0 * share * 6.0 / pi * g2 * sqrt(pi);
     double a2 = 16.0 * (1.0 - e) * (1.0 - 2.0 * e * e) / (81.0 - 17.0 * e + 30.0 * e * e * (1.0 - e));
     double tau = 6.0 / ((1.0 - e * e) * nu) / (1.0 + 3.0 / 16.0 * a2);
     for (int run = 0; run < RUNS; run++) {
-        if (gas[run].status) {
-            figures->trouble = gas[run].trouble;
-            return gas[run].status;
-        }
         double rate = (1.0 / sqrt(gas[run].temperature[ROWS - 1]) - 1.0 / sqrt(gas[run].temperature[5])) / (ROWS - 6);
         mean += rate / RUNS;
     }
-    scree_status status = write_gas(figures, gas, tau);
+    status = write_gas(figures, gas, tau);
     /* Each run is off by 1.0 % by chance, so their mean by 0.5 %, of which three times as much is allowed. The theory
      * knows nothing of velocities that become alike near by: hard spheres in these boxes cool slower by 0.4 %, give or
      * take 0.2 % (bench/peers/haff_events.c, data/reference/haff_events.csv). The contacts' own time takes another
