@@ -237,6 +237,33 @@ void scree_complain_in_table(struct scree_reader *r, const char *path, int line,
     va_end(arguments);
 }
 
+static int is_named(const struct scree_column *column, const char *name) {
+    for (int n = 0; n < 3 && column->names[n]; n++)
+        if (strcmp(column->names[n], name) == 0) return 1;
+    return 0;
+}
+
+void scree_find_columns(struct scree_reader *r, const char *path, const struct scree_table *table,
+                        const struct scree_column *known, int count, const char *what, int *at) {
+    const char *all[3 * SCREE_TABLE_COLUMNS + 1] = {0};
+    for (int c = 0, names = 0; c < count; c++) {
+        at[c] = -1;
+        for (int n = 0; n < 3 && known[c].names[n]; n++) all[names++] = known[c].names[n];
+    }
+    for (int k = 0; k < table->columns; k++) {
+        const char *name = table->name[k];
+        int c = 0;
+        while (c < count && !is_named(&known[c], name)) c++;
+        if (c < count && at[c] < 0)
+            at[c] = k;
+        else if (c < count)
+            scree_complain_in_table(r, path, table->header, table->at[k], "two columns for %s", known[c].names[0]);
+        else if (what)
+            scree_complain_in_table(r, path, table->header, table->at[k], "there is no column \"%s\" in %s%s", name,
+                                    what, scree_hint(name, all).text);
+    }
+}
+
 void scree_read_rows(struct scree_reader *r, const struct scree_toml *rows, const char *const *names, int least,
                      const char *what, struct scree_table *table) {
     int columns = rows->first && rows->first->type == SCREE_TOML_ARRAY ? rows->first->count : 0, most = 0;

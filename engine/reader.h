@@ -74,6 +74,17 @@ char *scree_read_word_file(struct scree_reader *r, const struct scree_toml *node
 SCREE_PRINTF(5, 6)
 void scree_complain_in_table(struct scree_reader *r, const char *path, int line, int column, const char *format, ...);
 
+/* A column that a table may have, by its names (NULL behind the last); messages call it by the first. */
+struct scree_column {
+    const char *names[3];
+};
+
+/* Which of the table's columns is which of `count` known ones: into `at`, -1 where there is none. Complains of a second
+ * one, and of a column that isn't known, with the nearest that is and what there is in `what`: "a table of spheres: it
+ * has x_m, …"; NULL leaves those alone. */
+void scree_find_columns(struct scree_reader *r, const char *path, const struct scree_table *table,
+                        const struct scree_column *known, int count, const char *what, int *at);
+
 /* rows = [[…], …] as columns of these names (NULL-terminated), from `least` to as many as there are; `what` tells how
  * rows look. */
 void scree_read_rows(struct scree_reader *r, const struct scree_toml *rows, const char *const *names, int least,

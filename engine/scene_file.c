@@ -94,15 +94,17 @@ static void read_law(struct scree_reader *r, const struct scree_toml *table, con
 /* Measured forces while they are read: rows of overlap, closing speed and force, then the grid that they fill. */
 struct forces {
     struct scree_table columns;
+    const double *d, *u, *force; /* those of overlap, closing speed (NULL: none) and force */
     double *speed;
     double *overlap;
     scree_force_table grid;
 };
 
+static const struct scree_column force_columns[] = {{{"overlap_m"}}, {{"closing_m_s"}}, {{"force_N"}}};
+
 /* The grid of a list of rows: every overlap with every speed, by rising overlap, then speed. */
 static void fill_grid(struct scree_reader *r, const struct scree_toml *node, struct forces *f) {
-    const double *d = scree_table_column(&f->columns, "overlap"), *u = scree_table_column(&f->columns, "closing");
-    const double *force = scree_table_column(&f->columns, "force");
+    const double *d = f->d, *u = f->u;
     size_t rows = f->columns.rows, speeds = 1;
     while (u && speeds < rows && d[speeds] == d[0]) speeds++;
     int whole = rows >= 2 * speeds && rows % speeds == 0;
@@ -121,33 +123,28 @@ static void fill_grid(struct scree_reader *r, const struct scree_toml *node, str
     }
     for (size_t k = 0; k < rows / speeds; k++) f->overlap[k] = d[k * speeds];
     for (size_t k = 0; k < speeds; k++) f->speed[k] = u ? u[k] : 0.0;
-    f->grid = (scree_force_table){(int)(rows / speeds), (int)speeds, f->overlap, f->speed, force};
+    f->grid = (scree_force_table){(int)(rows / speeds), (int)speeds, f->overlap, f->speed, f->force};
 }
 
-static void check_force_columns(struct scree_reader *r, const char *path, const struct scree_table *table) {
-    static const char *const names[] = {"overlap_m", "closing_m_s", "force_N", NULL};
-    int seen[3] = {0};
-    for (int k = 0; k < table->columns; k++) {
-        int found = 0;
-        while (found < 3 && strcmp(table->name[k], names[found]) != 0) found++;
-        if (found == 3 || seen[found]++)
-            scree_complain_in_table(
-                r, path, table->header, table->at[k],
-                "a force table has the columns overlap_m, force_N and, if wanted, closing_m_s, not \"%s\"%s",
-                table->name[k], scree_hint(table->name[k], names).text);
-    }
-    if (!r->status && !(seen[0] && seen[2]))
-        scree_complain_in_table(r, path, table->header, 1, "a force table needs the columns overlap_m and force_N");
+/* Of a file, or of rows (`path` NULL), whose columns can be but right. */
+static void find_force_columns(struct scree_reader *r, const char *path, struct forces *f) {
+    int at[3];
+    scree_find_columns(r, path, &f->columns, force_columns, 3,
+                       "a force table: it has overlap_m, force_N and, if wanted, closing_m_s", at);
+    if (at[0] < 0 || at[2] < 0)
+        scree_complain_in_table(r, path, f->columns.header, 1, "a force table needs the columns overlap_m and force_N");
+    f->d = scree_table_column(&f->columns, at[0]);
+    f->u = scree_table_column(&f->columns, at[1]);
+    f->force = scree_table_column(&f->columns, at[2]);
 }
 
 /* Of forces at one closing speed; what isn't a grid is told by fill_grid. */
 static void check_rise(struct scree_reader *r, const char *path, const struct scree_toml *rows,
-                       const struct scree_table *table) {
+                       const struct forces *f) {
     static const char text[] = "the overlaps of a force table must rise: row %zu has %g m after %g m";
-    const double *d = scree_table_column(table, "overlap");
+    const double *d = f->d;
     const struct scree_toml *row = rows ? rows->first : NULL;
-    if (r->status || scree_table_column(table, "closing")) return;
-    for (size_t k = 1; k < table->rows && !r->status; k++) {
+    for (size_t k = 1; k < f->columns.rows && !f->u && !r->status; k++) {
         if (row) row = row->next;
         if (d[k] > d[k - 1]) continue;
         if (path)
@@ -158,7 +155,8 @@ static void check_rise(struct scree_reader *r, const char *path, const struct sc
 }
 
 static void read_forces(struct scree_reader *r, const struct scree_toml *law, struct forces *f) {
-    static const char *const two[] = {"overlap", "force", NULL}, *const three[] = {"overlap", "closing", "force", NULL};
+    static const char *const two[] = {"overlap_m", "force_N", NULL};
+    static const char *const three[] = {"overlap_m", "closing_m_s", "force_N", NULL};
     const struct scree_toml *file = scree_toml_get(law, "file"), *rows = scree_toml_get(law, "rows");
     if (!file == !rows) {
         scree_complain(r, law,
@@ -169,11 +167,11 @@ static void read_forces(struct scree_reader *r, const struct scree_toml *law, st
     if (file && !scree_read_string(r, law, "file")) return;
     int columns = rows && rows->first && rows->first->type == SCREE_TOML_ARRAY ? rows->first->count : 2;
     char *path = file ? scree_read_table_file(r, file, NULL, &f->columns) : NULL;
-    if (path) check_force_columns(r, path, &f->columns);
     if (!file)
         scree_read_rows(r, rows, columns == 3 ? three : two, 2, "[overlap, force] or [overlap, closing speed, force]",
                         &f->columns);
-    check_rise(r, path, rows, &f->columns);
+    if (!r->status) find_force_columns(r, path, f);
+    if (!r->status) check_rise(r, path, rows, f);
     free(path);
     if (!r->status) fill_grid(r, file ? file : rows, f);
 }

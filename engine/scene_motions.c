@@ -32,86 +32,69 @@ int scree_read_driver(struct scree_reader *r, const struct scree_toml *node, con
 
 /* ---- tables ---- */
 
-/* The columns of a motion table, with the names that they may have: the quantity, or the quantity and its unit (by enum
- * scree_motion_unit). */
-static const struct {
-    const char *quantity, *names[4];
-} motion_columns[] = {{"time", {"time", "time_s"}},
-                      {"position", {"position", "position_m", "position_rad"}},
-                      {"velocity", {"velocity", "velocity_m_s", "velocity_rad_s"}},
-                      {"acceleration", {"acceleration", "acceleration_m_s2", "acceleration_rad_s2"}},
-                      {"jerk", {"jerk", "jerk_m_s3", "jerk_rad_s3"}}};
+/* The columns of a motion table: the quantity, or the quantity and its unit (by enum scree_motion_unit). One over the
+ * machine's angle is told what it is. */
+enum { TIME, POSITION, VELOCITY, ACCELERATION, JERK, ANGLE, MOTION_COLUMNS };
 
-enum { MOTION_COLUMNS = sizeof motion_columns / sizeof motion_columns[0] };
+static const struct scree_column motion_columns[MOTION_COLUMNS] = {
+    {{"time", "time_s"}},
+    {{"position", "position_m", "position_rad"}},
+    {{"velocity", "velocity_m_s", "velocity_rad_s"}},
+    {{"acceleration", "acceleration_m_s2", "acceleration_rad_s2"}},
+    {{"jerk", "jerk_m_s3", "jerk_rad_s3"}},
+    {{"angle_deg"}}};
 
-/* Columns of the comb's lift in a servo table (solver/table.h), which `axis = "lift"` chooses. */
-static const char lift_prefix[] = "lift_";
-
-/* Tables of two axes: of the lift's columns those for `lift` count, or those for the stroke; the time is for both. The
- * name without the prefix; NULL if the column is the other axis's. */
-static const char *motion_column(const char *name, int lift) {
-    size_t length = strlen(lift_prefix);
-    int lifts = strncmp(name, lift_prefix, length) == 0,
-        both = strcmp(name, "time") == 0 || strcmp(name, "time_s") == 0;
-    if (lifts) return lift ? name + length : NULL;
-    return lift && !both ? NULL : name;
+/* Of a table of two axes (solver/table.h) the columns of the comb's lift, which `axis = "lift"` chooses, without their
+ * prefix, or those of the stroke; the time is for both. Shares the table's memory. */
+static struct scree_table axis_of(const struct scree_table *table, int lift) {
+    static const char prefix[] = "lift_";
+    struct scree_table own = {.rows = table->rows, .header = table->header};
+    for (int k = 0; k < table->columns; k++) {
+        int lifts = strncmp(table->name[k], prefix, strlen(prefix)) == 0;
+        if (lifts != lift && strcmp(table->name[k], "time") != 0 && strcmp(table->name[k], "time_s") != 0) continue;
+        own.at[own.columns] = table->at[k];
+        own.name[own.columns] = table->name[k] + (lifts ? strlen(prefix) : 0);
+        own.column[own.columns++] = table->column[k];
+    }
+    return own;
 }
 
-/* A column that would be taken for something else, or passed over, is refused: "time_ms", "velocty", a second time. */
-static void check_motion_columns(struct scree_reader *r, const char *path, const struct scree_table *table, int lift) {
-    int seen[MOTION_COLUMNS] = {0};
-    for (int k = 0; k < table->columns && !r->status; k++) {
-        const char *all[4 * MOTION_COLUMNS] = {0};
-        int found = -1, count = 0;
-        const char *name = motion_column(table->name[k], lift);
-        if (!name) continue;
-        for (int m = 0; m < MOTION_COLUMNS; m++)
-            for (int n = 0; motion_columns[m].names[n]; n++) {
-                all[count++] = motion_columns[m].names[n];
-                if (strcmp(name, motion_columns[m].names[n]) == 0) found = m;
-            }
-        if (strcmp(name, "angle_deg") == 0)
-            scree_complain_in_table(r, path, table->header, table->at[k],
-                                    "a table over the machine's angle is no motion over the time: [servo] angle = "
-                                    "false writes one that is");
-        else if (found < 0)
-            scree_complain_in_table(
-                r, path, table->header, table->at[k],
-                "there is no column \"%s\" in a motion table: it has time_s, position_m (or position_rad) "
-                "and, if wanted, velocity_m_s, acceleration_m_s2 and jerk_m_s3 (or …_rad_…), in these units%s",
-                table->name[k], scree_hint(table->name[k], all).text);
-        else if (seen[found]++)
-            scree_complain_in_table(r, path, table->header, table->at[k], "two columns for the %s",
-                                    motion_columns[found].quantity);
-    }
-    for (int m = 0; m < 2 && !r->status; m++)
-        if (!seen[m])
-            scree_complain_in_table(r, path, table->header, 1,
-                                    "the table needs the columns time_s and position_m (or position_rad)");
-    for (int m = 3; m < MOTION_COLUMNS && !r->status; m++)
-        if (seen[m] && !seen[m - 1])
+/* Of a file, or of rows (`path` NULL), whose columns can be but right. */
+static void find_motion_columns(struct scree_reader *r, const char *path, const struct scree_table *table, int *at) {
+    scree_find_columns(r, path, table, motion_columns, MOTION_COLUMNS,
+                       "a motion table: it has time_s, position_m (or position_rad) and, if wanted, velocity_m_s, "
+                       "acceleration_m_s2 and jerk_m_s3 (or …_rad_…), in these units",
+                       at);
+    if (at[ANGLE] >= 0)
+        scree_complain_in_table(r, path, table->header, table->at[at[ANGLE]],
+                                "a table over the machine's angle is no motion over the time: [servo] angle = "
+                                "false writes one that is");
+    if (at[TIME] < 0 || at[POSITION] < 0)
+        scree_complain_in_table(r, path, table->header, 1,
+                                "the table needs the columns time_s and position_m (or position_rad)");
+    for (int m = ACCELERATION; m <= JERK; m++)
+        if (at[m] >= 0 && at[m - 1] < 0)
             scree_complain_in_table(r, path, table->header, 1, "the %s of a motion counts only beside its %s",
-                                    motion_columns[m].quantity, motion_columns[m - 1].quantity);
-    if (!r->status && table->rows < 2)
+                                    motion_columns[m].names[0], motion_columns[m - 1].names[0]);
+    if (path && table->rows < 2)
         scree_complain_in_table(r, path, 0, 0, "a motion needs at least 2 rows of numbers, this table has %zu",
                                 table->rows);
 }
 
 /* The unit that a column's name tells. */
 static enum scree_motion_unit unit_of(const char *name) {
-    for (int m = 1; m < MOTION_COLUMNS; m++)
+    for (int m = POSITION; m <= JERK; m++)
         for (int unit = SCREE_METRES; unit <= SCREE_RADIANS; unit++)
             if (strcmp(name, motion_columns[m].names[unit]) == 0) return (enum scree_motion_unit)unit;
     return SCREE_ANY_UNIT;
 }
 
 /* That of all columns; a mixture is refused. */
-static enum scree_motion_unit unit_of_columns(struct scree_reader *r, const char *path, const struct scree_table *table,
-                                              int lift) {
+static enum scree_motion_unit unit_of_columns(struct scree_reader *r, const char *path,
+                                              const struct scree_table *table) {
     enum scree_motion_unit unit = SCREE_ANY_UNIT;
     for (int k = 0; k < table->columns && !r->status; k++) {
-        const char *name = motion_column(table->name[k], lift);
-        enum scree_motion_unit own = name ? unit_of(name) : SCREE_ANY_UNIT;
+        enum scree_motion_unit own = unit_of(table->name[k]);
         if (own == SCREE_ANY_UNIT) continue;
         if (unit != SCREE_ANY_UNIT && own != unit)
             scree_complain_in_table(r, path, table->header, table->at[k],
@@ -147,20 +130,22 @@ static void read_motion_table(struct scree_reader *r, const struct scree_toml *t
     if (axis && !file) scree_complain(r, axis, "axis chooses columns of a file; rows have one axis");
     if (r->status) return;
     char *path = file ? scree_read_table_file(r, file, "time", columns) : NULL;
-    if (path) check_motion_columns(r, path, columns, lift);
-    if (path) *unit = unit_of_columns(r, path, columns, lift);
-    free(path);
     static const char *const names[] = {"time", "position", "velocity", "acceleration", "jerk", NULL};
     if (!file)
         scree_read_rows(r, rows, names, 2, "[time, position] and, if wanted, velocity, acceleration and jerk", columns);
     if (!file && !r->status) check_times(r, rows, columns);
+    int at[MOTION_COLUMNS];
+    struct scree_table own = axis_of(columns, lift);
+    if (!r->status) find_motion_columns(r, path, &own, at);
+    if (!r->status) *unit = unit_of_columns(r, path, &own);
+    free(path);
     if (r->status) return;
     def->rows = columns->rows;
-    def->times = scree_table_column(columns, "time");
-    def->positions = scree_table_column(columns, lift ? "lift_position" : "position");
-    def->velocities = scree_table_column(columns, lift ? "lift_velocity" : "velocity");
-    def->accelerations = scree_table_column(columns, lift ? "lift_acceleration" : "acceleration");
-    def->jerks = scree_table_column(columns, lift ? "lift_jerk" : "jerk");
+    def->times = scree_table_column(&own, at[TIME]);
+    def->positions = scree_table_column(&own, at[POSITION]);
+    def->velocities = scree_table_column(&own, at[VELOCITY]);
+    def->accelerations = scree_table_column(&own, at[ACCELERATION]);
+    def->jerks = scree_table_column(&own, at[JERK]);
     def->table = def->jerks           ? SCREE_TABLE_VELOCITY_QUINTIC
                  : def->accelerations ? SCREE_TABLE_QUINTIC
                  : def->velocities    ? SCREE_TABLE_CUBIC

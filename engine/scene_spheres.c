@@ -12,19 +12,10 @@ static scree_scene *scene_of(struct scree_reader *r) { return ((struct scree_sce
 /* The columns that a table of spheres may have: with their unit, or without. */
 enum { X, Y, Z, RADIUS, MASS, VX, VY, VZ, WX, WY, WZ, NAME, MATERIAL, COLUMNS };
 
-static const char *const columns[COLUMNS][2] = {{"x_m", "x"},
-                                                {"y_m", "y"},
-                                                {"z_m", "z"},
-                                                {"radius_m", "radius"},
-                                                {"mass_kg", "mass"},
-                                                {"vx_m_s", "vx"},
-                                                {"vy_m_s", "vy"},
-                                                {"vz_m_s", "vz"},
-                                                {"wx_rad_s", "wx"},
-                                                {"wy_rad_s", "wy"},
-                                                {"wz_rad_s", "wz"},
-                                                {"name", "body"},
-                                                {"material", "material"}};
+static const struct scree_column columns[COLUMNS] = {
+    {{"x_m", "x"}},       {{"y_m", "y"}},     {{"z_m", "z"}},     {{"radius_m", "radius"}}, {{"mass_kg", "mass"}},
+    {{"vx_m_s", "vx"}},   {{"vy_m_s", "vy"}}, {{"vz_m_s", "vz"}}, {{"wx_rad_s", "wx"}},     {{"wy_rad_s", "wy"}},
+    {{"wz_rad_s", "wz"}}, {{"name", "body"}}, {{"material"}}};
 
 /* A table of spheres while it is read. */
 struct bed {
@@ -37,34 +28,19 @@ struct bed {
 
 static void find_columns(struct scree_reader *r, struct bed *bed) {
     const struct scree_table *table = &bed->table;
-    for (int c = 0; c < COLUMNS; c++) bed->at[c] = -1;
-    for (int k = 0; k < table->columns && !r->status; k++) {
-        const char *all[2 * COLUMNS + 1] = {0};
-        int found = -1;
-        for (int c = 0; c < COLUMNS; c++)
-            for (int n = 0; n < 2; n++) {
-                all[2 * c + n] = columns[c][n];
-                if (strcmp(table->name[k], columns[c][n]) == 0) found = c;
-            }
-        if (found < 0)
-            scree_complain_in_table(
-                r, bed->path, table->header, table->at[k],
-                "there is no column \"%s\" in a table of spheres: it has x_m, y_m, z_m and, if wanted, "
-                "radius_m, mass_kg, vx_m_s …, wx_rad_s …, name and material%s",
-                table->name[k], scree_hint(table->name[k], all).text);
-        else if (bed->at[found] >= 0)
-            scree_complain_in_table(r, bed->path, table->header, table->at[k], "two columns for %s", columns[found][0]);
-        else
-            bed->at[found] = k;
-    }
+    scree_find_columns(r, bed->path, table, columns, COLUMNS,
+                       "a table of spheres: it has x_m, y_m, z_m and, if wanted, radius_m, mass_kg, vx_m_s …, "
+                       "wx_rad_s …, name and material",
+                       bed->at);
     for (int c = X; c <= Z && !r->status; c++)
         if (bed->at[c] < 0)
-            scree_complain_in_table(r, bed->path, table->header, 1, "the table needs the column %s", columns[c][0]);
+            scree_complain_in_table(r, bed->path, table->header, 1, "the table needs the column %s",
+                                    columns[c].names[0]);
     for (int c = VX; c <= WZ && !r->status; c++) {
         int first = c < WX ? VX : WX;
         if ((bed->at[c] < 0) != (bed->at[first] < 0))
             scree_complain_in_table(r, bed->path, table->header, 1, "of %s, %s, %s the table needs all or none",
-                                    columns[first][0], columns[first + 1][0], columns[first + 2][0]);
+                                    columns[first].names[0], columns[first + 1].names[0], columns[first + 2].names[0]);
     }
     if (!r->status && table->rows < 1) scree_complain_in_table(r, bed->path, 0, 0, "this table has no rows");
 }
@@ -74,9 +50,10 @@ static void check_once(struct scree_reader *r, const struct scree_toml *table, c
                        const char *key) {
     const struct scree_toml *node = scree_toml_get(table, key);
     if (bed->at[column] >= 0 && node)
-        scree_complain(r, node, "the table %s has a column %s already", bed->path, columns[column][0]);
+        scree_complain(r, node, "the table %s has a column %s already", bed->path, columns[column].names[0]);
     if (bed->at[column] < 0 && !node)
-        scree_complain(r, table, "these spheres need %s = …, or a column %s in %s", key, columns[column][0], bed->path);
+        scree_complain(r, table, "these spheres need %s = …, or a column %s in %s", key, columns[column].names[0],
+                       bed->path);
 }
 
 /* Three columns as vectors; NULL if there are none, or no memory (which is reported). */
@@ -158,8 +135,8 @@ static void add_bed(struct scree_reader *r, const struct scree_toml *table, stru
     def.positions = (const double(*)[3])bed->position;
     def.velocities = (const double(*)[3])bed->velocity;
     def.spins = (const double(*)[3])bed->spin;
-    if (bed->at[RADIUS] >= 0) def.radii = bed->table.column[bed->at[RADIUS]];
-    if (bed->at[MASS] >= 0) def.masses = bed->table.column[bed->at[MASS]];
+    def.radii = scree_table_column(&bed->table, bed->at[RADIUS]);
+    def.masses = scree_table_column(&bed->table, bed->at[MASS]);
     if (bed->at[NAME] >= 0) def.names = (const char *const *)bed->table.word[bed->at[NAME]];
     if (!r->status) read_materials(r, bed, &def);
     if (!r->status) add_runs(r, bed, &def, table);

@@ -230,8 +230,6 @@ void scree_table_free(struct scree_table *table) {
     *table = (struct scree_table){0};
 }
 
-const double *scree_table_column(const struct scree_table *table, const char *name) {
-    for (int k = 0; k < table->columns; k++)
-        if (is_called(table->name[k], name)) return table->column[k];
-    return NULL;
+const double *scree_table_column(const struct scree_table *table, int column) {
+    return column < 0 ? NULL : table->column[column];
 }

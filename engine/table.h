@@ -37,7 +37,7 @@ scree_status scree_table_parse_words(char *text, size_t size, const char *file, 
                                      struct scree_table *table, scree_trouble *trouble);
 void scree_table_free(struct scree_table *table);
 
-/* Column whose name is `name` or begins with `name` and an underscore (a unit follows); NULL if there is none. */
-const double *scree_table_column(const struct scree_table *table, const char *name);
+/* The numbers of a column; NULL for -1, of one that isn't there. */
+const double *scree_table_column(const struct scree_table *table, int column);
 
 #endif

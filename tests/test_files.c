@@ -179,8 +179,9 @@ static void test_tables(void) {
     char good[] = "\xef\xbb\xbf# comment\n\"time_s\", position_m ,note\n0,1.5,2\n\n1e-3,\"-2\",+.5\r\n";
     CHECK(parse_table(good, sizeof good - 1, &table, &trouble) == SCREE_OK);
     CHECK(table.rows == 2 && table.columns == 3 && table.header == 2);
-    CHECK(scree_table_column(&table, "position")[1] == -2.0 && scree_table_column(&table, "time")[1] == 1e-3);
-    CHECK(scree_table_column(&table, "posit") == NULL && scree_table_column(&table, "note")[1] == 0.5);
+    CHECK(table.column[1][1] == -2.0 && table.column[0][1] == 1e-3);
+    CHECK(strcmp(table.name[0], "time_s") == 0 && strcmp(table.name[1], "position_m") == 0);
+    CHECK(scree_table_column(&table, -1) == NULL && scree_table_column(&table, 2)[1] == 0.5);
     scree_table_free(&table);
     static const char *const bad[][2] = {
         {"", "empty"},
@@ -409,9 +410,9 @@ static void test_hinge(void) {
     free(text);
 }
 
-/* ---- motions from a table in a file ---- */
+/* ---- motions and forces from a table in a file ---- */
 
-/* What is said of the scene at `path`, "s.toml" beside the motion's table "m.csv"; nothing: it is read. */
+/* What is said of the scene at `path`, "s.toml" beside the table "m.csv"; nothing: it is read. */
 static void expect_with_table(const char *path, const char *text, const char *table, const char *message) {
     char of_table[64];
     snprintf(of_table, sizeof of_table, "%.*sm.csv", (int)(strlen(path) - strlen("s.toml")), path);
@@ -428,6 +429,24 @@ static void expect_with_table(const char *path, const char *text, const char *ta
     CHECK(remove(of_table) == 0);
 }
 
+static void test_force_files(void) {
+    static const char *const cases[][2] = {
+        {"overlap_m,force_N\n0,0\n1e-3,10\n", ""},
+        {"force_N,closing_m_s,overlap_m\n0,0,0\n1,1,0\n10,0,1e-3\n12,1,1e-3\n", ""},
+        {"overlap_m,forse_N\n0,0\n1e-3,10\n",
+         "m.csv:1:11: there is no column \"forse_N\" in a force table: it has overlap_m, force_N and, if wanted, "
+         "closing_m_s; did you mean \"force_N\"?"},
+        {"overlap_m,closing_m_s\n0,0\n1e-3,10\n", "m.csv:1:1: a force table needs the columns overlap_m and force_N"},
+        {"overlap_m,force_N\n0,0\n0,10\n", "m.csv: the overlaps of a force table must rise: row 2 has 0 m after 0 m"}};
+    char folder[] = "/tmp/scree-test-XXXXXX", path[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(path, sizeof path, "%s/s.toml", folder);
+    char *text = with_line(11, "normal = { law = \"table\", file = \"m.csv\" }");
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) expect_with_table(path, text, cases[k][0], cases[k][1]);
+    free(text);
+    CHECK(remove(folder) == 0);
+}
+
 static void test_motion_files(void) {
     static const char *const cases[][2] = {
         {"time_ms,position_m\n0,0\n1,1\n",
@@ -435,7 +454,7 @@ static void test_motion_files(void) {
         {"angle_deg,position_m\n0,0\n1,1\n", "m.csv:1:1: a table over the machine's angle"},
         {"time_s, position_mm\n0,0\n1,1\n", "did you mean \"position_m\"?"},
         {"time,position,velocty\n0,0,0\n1,1,0\n", "m.csv:1:15: there is no column \"velocty\""},
-        {"time,time_s,position\n0,0,0\n1,1,0\n", "m.csv:1:6: two columns for the time"},
+        {"time,time_s,position\n0,0,0\n1,1,0\n", "m.csv:1:6: two columns for time"},
         {"# c\ntime,velocity\n0,0\n1,1\n", "m.csv:2:1: the table needs the columns"},
         {"time,position,acceleration\n0,0,0\n1,1,0\n", "m.csv:1:1: the acceleration of a motion counts only beside"},
         {"time,position\n0,0\n", "m.csv: a motion needs at least 2 rows"},
@@ -639,6 +658,7 @@ int main(void) {
     test_scene_errors();
     test_motion_needs();
     test_hinge();
+    test_force_files();
     test_motion_files();
     test_messages();
     test_file_and_c();

@@ -397,7 +397,7 @@ static void test_refusals(void) {
     static const struct {
         const char *record, *message;
     } records[] = {{"time_s,z_m\n0,0\n0,0\n1,0\n", "record.csv:3:1: times must rise"},
-                   {"t,z_m\n0,0\n", "record.csv:1:1: a record has time_s and, of its body"},
+                   {"t,z_m\n0,0\n", "record.csv:1:1: there is no column \"t\" in a record: it has time_s"},
                    {"time_s\n0\n1\n", "record.csv:1:1: a record needs a column such as x_m"},
                    {"z_m\n0\n", "record.csv:1:1: a record needs a column time_s"},
                    {"time_s,z_m,z_m\n0,0,0\n", "record.csv:1:12: there are two columns \"z_m\""},

@@ -124,36 +124,20 @@ static void read_chosen(struct scree_reader *r, const struct scree_toml *list, s
         record->want[scree_choose(r, entry, "a column to be fitted", fit_quantity_name)] = 1;
 }
 
-static int quantity_of(const char *name) {
-    int q = 0;
-    while (q < FIT_QUANTITIES && strcmp(fit_quantity_name[q], name) != 0) q++;
-    return q;
-}
-
 /* Where the table has what; columns that aren't known are left alone if those to be fitted are named. */
 static void find_columns(struct scree_reader *r, struct record *record) {
-    const struct scree_table *table = &record->table;
-    const char *known[FIT_QUANTITIES + 3] = {"time_s", "body"};
-    record->time = record->body = -1;
-    for (int q = 0; q < FIT_QUANTITIES; q++) {
-        known[2 + q] = fit_quantity_name[q];
-        record->at[q] = -1;
-    }
-    for (int k = 0; k < table->columns; k++) {
-        const char *name = table->name[k];
-        int q = quantity_of(name);
-        if (strcmp(name, "time_s") == 0)
-            record->time = k;
-        else if (strcmp(name, "body") == 0)
-            record->body = k;
-        else if (q < FIT_QUANTITIES)
-            record->at[q] = !record->chosen || record->want[q] ? k : -1;
-        else if (!record->chosen)
-            scree_complain_in_table(r, record->path, table->header, table->at[k],
-                                    "a record has time_s and, of its body, x_m …, vx_m_s …, wx_rad_s …, not \"%s\"%s; "
-                                    "name those to be fitted in columns = […] to leave others alone",
-                                    name, scree_hint(name, known).text);
-    }
+    enum { TIME, BODY, FIRST, COLUMNS = FIRST + FIT_QUANTITIES };
+    struct scree_column known[COLUMNS] = {{{"time_s"}}, {{"body"}}};
+    int at[COLUMNS];
+    for (int q = 0; q < FIT_QUANTITIES; q++) known[FIRST + q].names[0] = fit_quantity_name[q];
+    scree_find_columns(r, record->path, &record->table, known, COLUMNS,
+                       record->chosen ? NULL
+                                      : "a record: it has time_s and, of its body, x_m …, vx_m_s …, wx_rad_s …; name "
+                                        "those to be fitted in columns = […] to leave others alone",
+                       at);
+    record->time = at[TIME];
+    record->body = at[BODY];
+    for (int q = 0; q < FIT_QUANTITIES; q++) record->at[q] = !record->chosen || record->want[q] ? at[FIRST + q] : -1;
 }
 
 static void check_columns(struct scree_reader *r, const struct record *record) {
