@@ -96,6 +96,15 @@ double scree_read_number(struct scree_reader *r, const struct scree_toml *table,
     return node ? scree_number_of(r, node, key) : fallback;
 }
 
+double scree_read_whole(struct scree_reader *r, const struct scree_toml *table, const char *key, double least,
+                        double most) {
+    const struct scree_toml *node = scree_toml_get(table, key);
+    double value = node ? scree_number_of(r, node, key) : 0.0;
+    if (node && !(value >= least && value <= most && value == floor(value)))
+        scree_complain(r, node, "%s must be a whole number, %.0f to %.0f, got %g", key, least, most, value);
+    return r->status ? 0.0 : value;
+}
+
 const char *scree_read_string(struct scree_reader *r, const struct scree_toml *table, const char *key) {
     const struct scree_toml *node = scree_toml_get(table, key);
     if (!node) return NULL;

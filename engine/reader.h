@@ -34,6 +34,10 @@ void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, co
 /* A finite number; 0 after a complaint. */
 double scree_number_of(struct scree_reader *r, const struct scree_toml *node, const char *what);
 
+/* A whole number by key; 0 if it is absent. Its bounds are whole and at most 2^53. */
+double scree_read_whole(struct scree_reader *r, const struct scree_toml *table, const char *key, double least,
+                        double most);
+
 /* A number, string (NULL if absent), boolean (0 if absent) by key. */
 double scree_read_number(struct scree_reader *r, const struct scree_toml *table, const char *key, double fallback);
 const char *scree_read_string(struct scree_reader *r, const struct scree_toml *table, const char *key);

@@ -496,28 +496,33 @@ scree_status scree_scene_set_time(scree_scene *scene, const scree_time_def *def)
         def->integrator != SCREE_PAIR_IMPULSE && def->integrator != SCREE_ADAPTIVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "integrator", "there is no integrator of number %d",
                             (int)def->integrator);
-    if (def->substeps < 0 || def->substeps > 64 || (def->substeps && def->integrator != SCREE_PAIR_IMPULSE))
+    if (def->substeps < 0 || def->substeps > SCREE_MOST_SUBSTEPS)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "substeps", "substeps must be 1 to %d, got %d",
+                            SCREE_MOST_SUBSTEPS, def->substeps);
+    if (def->substeps && def->integrator != SCREE_PAIR_IMPULSE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "substeps",
-                            "substeps must be 1 to 64 and belong to the integrator pair-impulse, got %d",
-                            def->substeps);
+                            "substeps goes with the integrator pair-impulse, which must be asked for");
     if (def->sleep > 0.0 && def->integrator != SCREE_ANY_INTEGRATOR && def->integrator != SCREE_VERLET)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "sleep", "sleep belongs to the integrator verlet");
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "sleep",
+                            "sleep goes with the integrator verlet; under another nobody sleeps");
     if (def->watch != SCREE_WATCH_STOP && def->watch != SCREE_WATCH_HALVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "watch", "there is no watch of number %d",
                             (int)def->watch);
     int adaptive = def->integrator == SCREE_ADAPTIVE;
-    if (def->tolerance != 0.0 && !(adaptive && def->tolerance >= 1e-13 && def->tolerance <= 1e-3))
+    if (def->tolerance != 0.0 && !adaptive)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "tolerance",
-                            "tolerance must be 1e-13 to 1e-3 and belongs to the integrator adaptive, got %g",
+                            "tolerance goes with the integrator adaptive; it would be without effect");
+    if (def->tolerance != 0.0 && !(def->tolerance >= 1e-13 && def->tolerance <= 1e-3))
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "tolerance", "tolerance must be 1e-13 to 1e-3, got %g",
                             def->tolerance);
     if (adaptive && def->watch == SCREE_WATCH_HALVE)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, "watch",
                             "the watch halves fixed steps; the integrator adaptive chooses its own by its tolerance");
     if (def->no_flight && !adaptive)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "flight", "flight belongs to the integrator adaptive");
-    if (def->threads < 0 || def->threads > 1024)
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to 1024, got %d",
-                            def->threads);
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "flight", "flight goes with the integrator adaptive");
+    if (def->threads < 0 || def->threads > SCREE_MOST_THREADS)
+        return scree_report(&scene->trouble, SCREE_BAD_INPUT, "threads", "threads must be 1 to %d, got %d",
+                            SCREE_MOST_THREADS, def->threads);
     scene->time = *def;
     scene->time.energy |= def->watch == SCREE_WATCH_HALVE; /* so that writing them down changes nothing */
     if (adaptive && def->tolerance == 0.0) scene->time.tolerance = 1e-10;

@@ -20,6 +20,14 @@ void scree_pass_on(struct scree_reader *r, scree_status status, const struct scr
     r->status = r->trouble->status = status;
 }
 
+/* A number that must be > 0 where it is given; 0 if it isn't, which the library takes as such. */
+static double read_positive(struct scree_reader *r, const struct scree_toml *table, const char *key, const char *unit) {
+    double value = scree_read_number(r, table, key, 0.0);
+    const struct scree_toml *node = scree_toml_get(table, key);
+    if (node && !(value > 0.0)) scree_complain(r, node, "%s must be > 0%s, got %g", key, unit, value);
+    return value;
+}
+
 /* ---- names of materials, motions, bodies ---- */
 
 struct scree_hint scree_hint_of(const struct scree_reader *r, const char *what, const char *wrong) {
@@ -197,11 +205,7 @@ static void read_contact(struct scree_reader *r, const struct scree_toml *table)
     read_law(r, table, "normal", &def.normal);
     read_law(r, table, "friction", &def.friction);
     read_law(r, table, "rolling", &def.rolling);
-    double shared = scree_read_number(r, table, "shared_by", 1.0);
-    if (!(shared >= 1.0 && shared <= 1e6 && shared == floor(shared)))
-        scree_complain(r, scree_toml_get(table, "shared_by"),
-                       "shared_by must be a whole number of contacts, at least 1");
-    def.shared_by = r->status ? 1 : (int)shared;
+    def.shared_by = (int)scree_read_whole(r, table, "shared_by", 1.0, 1e6);
     def.none = scree_read_boolean(r, table, "none");
     def.corners = scree_read_boolean(r, table, "corners");
     struct forces forces = {.speed = NULL};
@@ -350,11 +354,9 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
     static const char *const keys[] = {"name",        "shape",    "material", "mass",  "position",
                                        "orientation", "velocity", "spin",     "joint", NULL};
     scree_check_keys(r, table, "[[body]]", keys);
-    scree_body_def def = {.name = scree_read_string(r, table, "name"),
-                          .mass = scree_read_number(r, table, "mass", 0.0)};
-    const struct scree_toml *material = scree_toml_get(table, "material"), *mass = scree_toml_get(table, "mass");
+    scree_body_def def = {.name = scree_read_string(r, table, "name"), .mass = read_positive(r, table, "mass", " kg")};
+    const struct scree_toml *material = scree_toml_get(table, "material");
     if (!material) scree_complain(r, table, "a body needs a material");
-    if (mass && !(def.mass > 0.0)) scree_complain(r, mass, "the mass of a body must be > 0 kg, got %g", def.mass);
     if (r->status) return;
     def.material = scree_find_named(r, material, "material", scree_scene_find_material);
     read_shape(r, table, &def.shape);
@@ -376,66 +378,28 @@ static double whole_share(double end, double every) {
     return every / 1000.0;
 }
 
-/* tolerance and flight, of the adaptive integrator. */
-static void read_adaptive(struct scree_reader *r, const struct scree_toml *table, scree_time_def *def) {
-    const struct scree_toml *tolerance = scree_toml_get(table, "tolerance"), *flight = scree_toml_get(table, "flight");
-    if (def->integrator != SCREE_ADAPTIVE) {
-        const struct scree_toml *stray = tolerance ? tolerance : flight;
-        if (stray)
-            scree_complain(r, stray, "%s goes with integrator = \"adaptive\"; it would be without effect",
-                           tolerance ? "tolerance" : "flight");
-        return;
-    }
-    def->tolerance = scree_read_number(r, table, "tolerance", 1e-10);
-    if (tolerance && !(def->tolerance >= 1e-13 && def->tolerance <= 1e-3))
-        scree_complain(r, tolerance, "tolerance must be 1e-13 to 1e-3, got %g", def->tolerance);
-    def->no_flight = flight && !scree_read_boolean(r, table, "flight");
-}
-
-/* A step, or the error that it may make. */
+/* A number of seconds, or "auto". */
 static void read_step(struct scree_reader *r, const struct scree_toml *table, scree_time_def *def) {
-    const struct scree_toml *step = scree_toml_get(table, "step"), *accuracy = scree_toml_get(table, "accuracy");
-    if (step && step->type == SCREE_TOML_STRING) {
-        if (strcmp(step->string, "auto") != 0) scree_complain(r, step, "step must be a number of seconds or \"auto\"");
-    } else if (step) {
-        def->step = scree_number_of(r, step, "step");
-        if (!(def->step > 0.0)) scree_complain(r, step, "step must be > 0 s (or \"auto\"), got %g", def->step);
-    }
-    def->accuracy = scree_read_number(r, table, "accuracy", 0.0);
-    if (accuracy && step && def->step > 0.0)
-        scree_complain(r, accuracy,
-                       "accuracy finds the step, so that step can't be given with it; leave one of them out");
-    if (accuracy && !r->status && !(def->accuracy >= 1e-6 && def->accuracy <= 0.1))
-        scree_complain(r, accuracy,
-                       "accuracy must be 1e-6 to 0.1 (the error of a rebound in parts of the impact speed), got %g",
-                       def->accuracy);
+    const struct scree_toml *step = scree_toml_get(table, "step");
+    if (!step || step->type != SCREE_TOML_STRING)
+        def->step = read_positive(r, table, "step", " s (or \"auto\")");
+    else if (strcmp(step->string, "auto") != 0)
+        scree_complain(r, step, "step must be a number of seconds or \"auto\"");
 }
 
-/* Who steps, and what belongs to one of them alone. */
+/* Who steps, and what belongs to one of them alone. What doesn't fit together the library says. */
 static void read_integrator(struct scree_reader *r, const struct scree_toml *table, scree_time_def *def) {
     static const char *const integrators[] = {"auto", "verlet", "pair-impulse", "adaptive", NULL};
-    const struct scree_toml *integrator = scree_toml_get(table, "integrator"), *sleep = scree_toml_get(table, "sleep");
-    const struct scree_toml *substeps = scree_toml_get(table, "substeps");
+    const struct scree_toml *integrator = scree_toml_get(table, "integrator"),
+                            *flight = scree_toml_get(table, "flight");
     if (integrator) def->integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
     if (def->integrator == SCREE_ADAPTIVE) def->divide = whole_share(into(r)->end, def->divide);
-    read_adaptive(r, table, def);
-    double pieces = substeps ? scree_read_number(r, table, "substeps", 0.0) : 0.0;
-    if (substeps && def->integrator != SCREE_PAIR_IMPULSE)
-        scree_complain(r, substeps, "substeps goes with integrator = \"pair-impulse\", which must be asked for");
-    if (substeps && !(pieces >= 1.0 && pieces <= 64.0 && pieces == floor(pieces)))
-        scree_complain(r, substeps, "substeps must be a whole number, 1 to 64");
-    def->substeps = r->status ? 0 : (int)pieces;
-    def->sleep = scree_read_number(r, table, "sleep", 0.0);
-    if (sleep && !(def->sleep > 0.0)) scree_complain(r, sleep, "sleep must be a speed > 0 m/s, got %g", def->sleep);
-    if (sleep && integrator && def->integrator != SCREE_VERLET && def->integrator != SCREE_ANY_INTEGRATOR)
-        scree_complain(r, sleep, "sleep goes with integrator = \"verlet\"; under another nobody sleeps");
-}
-
-static int read_threads(struct scree_reader *r, const struct scree_toml *table) {
-    double threads = scree_read_number(r, table, "threads", 1.0);
-    if (!(threads >= 1.0 && threads <= 1024.0 && threads == floor(threads)))
-        scree_complain(r, scree_toml_get(table, "threads"), "threads must be a whole number, 1 to 1024");
-    return into(r)->threads > 0 ? into(r)->threads : r->status ? 1 : (int)threads;
+    def->tolerance = read_positive(r, table, "tolerance", "");
+    def->substeps = (int)scree_read_whole(r, table, "substeps", 1.0, SCREE_MOST_SUBSTEPS);
+    def->sleep = read_positive(r, table, "sleep", " m/s");
+    def->no_flight = flight && !scree_read_boolean(r, table, "flight");
+    if (flight && def->integrator != SCREE_ADAPTIVE)
+        scree_complain(r, flight, "flight goes with the integrator adaptive; it would be without effect");
 }
 
 static void read_time(struct scree_reader *r) {
@@ -454,13 +418,15 @@ static void read_time(struct scree_reader *r) {
         scree_complain(r, end ? end : table, "[time] needs end = the simulated time in s, > 0");
     int rows = into(r)->every > 0.0 && into(r)->every < into(r)->end;
     scree_time_def def = {.divide = rows ? into(r)->every : into(r)->end,
+                          .accuracy = read_positive(r, table, "accuracy", ""),
                           .speed = scree_read_number(r, table, "speed", 0.0),
                           .force = scree_read_boolean(r, table, "force"),
                           .energy = (into(r)->request->write & SCREE_WRITE_ENERGY) != 0};
     read_step(r, table, &def);
     read_integrator(r, table, &def);
     if (watch) def.watch = (scree_watch)scree_choose(r, watch, "watch", watches);
-    def.threads = read_threads(r, table);
+    def.threads = (int)scree_read_whole(r, table, "threads", 1.0, SCREE_MOST_THREADS);
+    if (into(r)->threads > 0) def.threads = into(r)->threads;
     if (!r->status) scree_pass_on(r, scree_scene_set_time(into(r)->scene, &def), table);
 }
 
@@ -481,9 +447,8 @@ static void read_output(struct scree_reader *r) {
     into(r)->request->write = SCREE_WRITE_BODIES;
     if (!table) return;
     scree_check_keys(r, table, "[output]", keys);
-    const struct scree_toml *every = scree_toml_get(table, "every"), *write = scree_toml_get(table, "write");
-    into(r)->every = scree_read_number(r, table, "every", 0.0);
-    if (every && !(into(r)->every > 0.0)) scree_complain(r, every, "every must be > 0 s, got %g", into(r)->every);
+    const struct scree_toml *write = scree_toml_get(table, "write");
+    into(r)->every = read_positive(r, table, "every", " s");
     if (write) read_write_list(r, write);
 }
 

@@ -175,15 +175,6 @@ static void read_radius(struct scree_reader *r, const struct scree_toml *table, 
         def->radius[0] = scree_number_of(r, node, "radius");
 }
 
-/* A whole number that a double holds exactly, 0 if it isn't there. */
-static double read_whole(struct scree_reader *r, const struct scree_toml *table, const char *key, double most) {
-    const struct scree_toml *node = scree_toml_get(table, key);
-    double value = node ? scree_number_of(r, node, key) : 0.0;
-    if (node && !(value >= 0.0 && value == floor(value) && value <= most))
-        scree_complain(r, node, "%s must be a whole number, 0 to %.0f, got %g", key, most, value);
-    return r->status ? 0.0 : value;
-}
-
 void scree_read_generate(struct scree_reader *r, const struct scree_toml *table) {
     static const char *const common[] = {"name", "kind",  "material",     "joint",    "min",     "max",    "radius",
                                          "seed", "count", "distribution", "velocity", "spacing", "jitter", NULL};
@@ -208,11 +199,8 @@ void scree_read_generate(struct scree_reader *r, const struct scree_toml *table)
     if (spread) def.radii = (scree_radii)scree_choose(r, spread, "distribution", spreads);
     if (spread && (def.radius[1] == 0.0 || def.radius[1] == def.radius[0]))
         scree_complain(r, spread, "a distribution needs two radii: radius = [least, largest]");
-    def.count = (int)read_whole(r, table, "count", 2147483647.0);
-    if (scree_toml_get(table, "count") && def.count == 0)
-        scree_complain(r, scree_toml_get(table, "count"),
-                       "count must be at least 1; left out, a lattice fills its box");
-    def.seed = (uint64_t)read_whole(r, table, "seed", 9007199254740992.0);
+    def.count = (int)scree_read_whole(r, table, "count", 1.0, 2147483647.0);
+    def.seed = (uint64_t)scree_read_whole(r, table, "seed", 0.0, 9007199254740992.0);
     scree_read_numbers(r, table, "velocity", 3, def.velocity);
     scree_read_joint(r, table, &def.joint);
     if (!r->status) scree_pass_on(r, scree_scene_generate(scene_of(r), &def, NULL), table);

@@ -64,6 +64,8 @@ typedef enum scree_watch {
                           of scree_scene_step keeps the state, so that calls of single steps cost more. */
 } scree_watch;
 
+enum { SCREE_MOST_SUBSTEPS = 64, SCREE_MOST_THREADS = 1024 };
+
 typedef struct scree_time_def {
     double step;   /* s, >= 0; 0: chosen from the stiffest possible contact (1/50 of its duration), less so that
                      `divide` is a whole number of steps. SCREE_ADAPTIVE chooses its own steps within this one: 0 makes it
@@ -75,8 +77,8 @@ typedef struct scree_time_def {
      * a step, and with SCREE_ADAPTIVE. */
     double accuracy;
     scree_integrator integrator;
-    /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to 64 times as many as its stiffness asks for; 0: once as
-     * many, with friction twice where needed. */
+    /* Of each contact in a step, for SCREE_PAIR_IMPULSE: 1 to SCREE_MOST_SUBSTEPS times as many as its stiffness asks
+     * for; 0: once as many, with friction twice where needed. */
     int substeps;
     double speed;     /* m/s, >= 0, largest impact speed to reckon with; 0: by velocities, motions and heights */
     double tolerance; /* for SCREE_ADAPTIVE: of a step, relative; 1e-13 to 1e-3; 0: 1e-10 */
@@ -88,7 +90,7 @@ typedef struct scree_time_def {
     double sleep;
     int force; /* accept a step beyond the stability limit */
     scree_watch watch;
-    int threads; /* 1 to 1024; 0: 1 */
+    int threads; /* 1 to SCREE_MOST_THREADS; 0: 1 */
     int energy;  /* keep the energy books (scree_scene_energy) */
 } scree_time_def;
 

@@ -270,7 +270,7 @@ static void test_errors(void) {
     refused("accuracy = 1e-3\nstep = 1e-6", "leave one of them out");
     refused("accuracy = 1e-7", "1e-6 to 0.1");
     refused("accuracy = 0.2", "1e-6 to 0.1");
-    refused("accuracy = 0.0", "1e-6 to 0.1");
+    refused("accuracy = 0.0", "must be > 0");
     refused("accuracy = \"high\"", "accuracy");
     refused("accurcy = 1e-3", "accuracy");
     refused("accuracy = 1e-3\nsubsteps = 4", "pair-impulse"); /* which integrator is open */

@@ -97,7 +97,7 @@ static void refused(const char *change, const char *other, const char *part) {
 }
 
 static void test_refused(void) {
-    refused("time.sleep=1e-5", "time.integrator=\"pair-impulse\"", "sleep goes with integrator");
+    refused("time.sleep=1e-5", "time.integrator=\"pair-impulse\"", "sleep goes with the integrator verlet");
     refused("time.sleep=-1", "time.force=false", "sleep must be");
     refused("time.sleep=1e-5", "gravity={vector=[0,0,-9.81], tilt=\"push\", axis=[0,1,0]}", "while gravity tilts");
 }

@@ -1,5 +1,6 @@
 /* Options of the programs: sorting words into options and names, messages, exit codes. */
 #include "engine/cli/cli.h"
+#include "engine/scree.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -56,7 +57,7 @@ int cli_whole_number(const char *text, const char *option, int most) {
 
 int cli_threads(const char *text) {
     long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    return text ? cli_whole_number(text, "--threads", 1024) : processors > 0 ? (int)processors : 1;
+    return text ? cli_whole_number(text, "--threads", SCREE_MOST_THREADS) : processors > 0 ? (int)processors : 1;
 }
 
 /* The option that a word is, with its length; NULL if none. */

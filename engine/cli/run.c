@@ -342,7 +342,7 @@ int cli_run(int count, char **words) {
     int code = cli_parse(&count, words, options, help);
     if (code) return code < 0 ? EXIT_GOOD : code;
     if (count != 1) return cli_complain("run takes one scene file (see scree run --help)");
-    int thread_count = threads ? cli_whole_number(threads, "--threads", 1024) : 0;
+    int thread_count = threads ? cli_whole_number(threads, "--threads", SCREE_MOST_THREADS) : 0;
     if (threads && !thread_count) return EXIT_USAGE;
 
     char *named = folder ? NULL : cli_default_folder(words[0], "scene", state ? "-resumed" : "");
