@@ -119,6 +119,9 @@ scree_status scree_step_watched(struct scree_scene *scene, long steps);
  * that since the last, added up. 0 if there is no memory to reckon it. */
 double scree_books_lack(scree_scene *scene);
 
+/* The share of what was turned over by which the books may be off. */
+extern const double scree_tolerable_gap;
+
 /* J that are too little to judge the books by. */
 double scree_too_little(const scree_scene *scene, const scree_energy *energy);
 

@@ -12,8 +12,7 @@
 
 enum { STEPS_KEPT = 1000, FIRST_STEPS = 2 };
 
-/* The books may be off by this share of what was turned over. */
-static const double tolerable_gap = 0.1;
+const double scree_tolerable_gap = 0.1;
 
 /* A state that the next step would stop at isn't worth keeping. */
 static scree_status check_state(scree_scene *scene) {
@@ -99,7 +98,7 @@ static scree_status check_books(scree_scene *scene) {
     scree_status status = scree_scene_energy(scene, &energy);
     if (status) return status;
     double gap = energy.balance - scene->watched.balance, share = gap_of(scene, &energy);
-    if (share <= tolerable_gap) return SCREE_OK; /* a NaN isn't */
+    if (share <= scree_tolerable_gap) return SCREE_OK; /* a NaN isn't */
     char cause[160];
     snprintf(cause, sizeof cause, "%.3g J of energy have %s, %.3g %% of what was turned over: too long a step",
              fabs(gap), gap < 0.0 ? "vanished" : "come from nowhere", 100.0 * share);

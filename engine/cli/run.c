@@ -60,9 +60,6 @@ static void heed(int signal) {
     if (sigaction(signal, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(signal, &action, NULL);
 }
 
-/* A balance beyond this share of the energy turned over is told at the end. */
-static const double tolerable_gap = 0.1;
-
 static void show_progress(struct run *run, long done, long all) {
     if (run->quiet || !isatty(STDERR_FILENO) || (time(NULL) == run->shown && done < all)) return;
     run->shown = time(NULL);
@@ -83,7 +80,9 @@ static long next_row(const struct run *run, long last) {
     return last;
 }
 
-/* Turned over is what the motion had at its most, and what contacts took and drives gave. */
+/* The worst share by which the books were off. Of a whole run all that moved or was stored at its most counts as turned
+ * over, with what contacts took and drives gave; the watch, which begins anew with each halving, is stricter about what
+ * is stored (engine/watch.c). */
 static scree_status watch_books(struct run *run) {
     if (!run->scene->time.energy) return SCREE_OK;
     scree_energy energy;
@@ -168,14 +167,14 @@ static void warn_of_chatter(const scree_scene *scene) {
 /* What was off before each halving stays in the result. */
 static void warn_of_halvings(const struct run *run) {
     double lack = run->halvings > 0 ? scree_books_lack(run->scene) : 0.0;
-    if (lack <= tolerable_gap) return;
+    if (lack <= scree_tolerable_gap) return;
     cli_complain("warning: over all halvings the energy books were off by %.3g %% of what was turned over: the result "
                  "is wrong by up to as much; to begin with a step of %.3g s avoids it",
                  100.0 * lack, scree_scene_step_length(run->scene));
 }
 
 static void warn_of_books(const struct run *run) {
-    if (run->worst <= tolerable_gap) {
+    if (run->worst <= scree_tolerable_gap) {
         warn_of_halvings(run);
         return;
     }
