@@ -583,6 +583,7 @@ bad_plan 'no such scene' 'No such file' 'model.scene="nothing.toml"'
 bad_plan 'speeds as a word' 'needs speeds = ' 'plan.speeds="fast"'
 bad_plan 'static below kinetic' 'must not be below kinetic' model.static=0.1
 bad_plan 'no such formulation' 'formulation must be one of "A", "B", "C"' 'plan.formulation="D"'
+bad_plan 'a product that slides for months' '3.64e+06 s, until friction (3e-07 m/s^2) has stopped the product' transport.gravity=1e-6
 check 'beyond the drive' 1 'the drive gives 1000' plan "$transport/bars.toml" --set 'plan.speeds=[1200]' --set map.to=310 --set curves.count=2 --set curves.from=400
 # What an earlier plan left: replaced as a whole, or not at all; what isn't ours stays.
 out=$work/replaced
@@ -643,6 +644,13 @@ fed() {
 check 'a table of the stroke' 0 'written to' "$scree" plan "$work/feed.toml" -o "$work/fed" --set 'servo={rate=700}'
 fed 'end of the stroke' 0.06 3 0.06
 fed 'the slowest' 0.03 10 "$(sed -n 2p "$work/fed/plan.csv" | cut -d, -f8)" --set 'motion.stroke.interpolation="velocity-quintic"'
+check 'a table of the map' 0 'map: 2 knots' "$scree" plan "$work/feed.toml" -o "$work/fed" --set 'servo={rate=700, map=true}' \
+    --set 'map={from=300, to=700, bound=1, weight="n"}'
+slowest=$(awk -F, 'NR > 1 { sum += $6 } END { printf "%.17g", sum / 2 / 0.06 }' "$work/fed/map.csv")
+fed 'the slowest of the map' 0.03 10 "$slowest" --set 'motion.stroke.interpolation="velocity-quintic"'
+check 'a table outside of the map' 2 'need a [map] whose range holds all speeds, got 500' "$scree" plan "$work/feed.toml" \
+    -o "$work/fed" --set servo.map=true --set 'map={from=600, to=700}'
+check 'a table of no map' 2 'need a [map]' "$scree" plan "$work/feed.toml" -o "$work/fed" --set servo.map=true
 check 'a table of the cycle' 0 'written to' "$scree" plan "$work/feed.toml" -o "$work/fed"
 fed 'end of the stroke in a cycle' 0.06 3 0.06 --set 'motion.stroke.interpolation="quintic"'
 fed 'the lift' 0.09 3 0.02 --set 'motion.stroke={name="stroke", kind="table", file="fed/servo_500.csv", axis="lift", interpolation="quintic"}'
@@ -653,7 +661,7 @@ check 'axis of rows' 2 'rows have one axis' "$scree" check "$work/fed.toml" \
 # Limits in words.
 check 'play beyond a third of the way' 1 'there is no plan for a rigid product at any speed: the comb would move backwards' replan \
     --set 'transport={distance=0.08, gap=0.06, width=0.03, friction=0.3}'
-check 'little play' 0 'from n_low = 762.' replan --set 'transport={distance=0.08, gap=0.0301, width=0.03, friction=0.3}' \
+check 'little play' 0 'formulation A, rigid product): from n_low = 762.' replan --set 'transport={distance=0.08, gap=0.0301, width=0.03, friction=0.3}' \
     --set 'plan.speeds=[800]'
 check 'a weak drive' 1 'it can'"'"'t be run' replan --set 'transport={distance=0.08, gap=0.05, width=0.03, friction=0.3}' \
     --set 'drive={acceleration=5}' --set 'plan.speeds=[300]'

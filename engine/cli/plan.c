@@ -21,7 +21,7 @@ static const char help[] =
     "asks:\n"
     "  plan.csv       a row a speed: state, events, largest acceleration and jerk, what a simulation makes of it,\n"
     "                 sensitivities of the clearance at the catch\n"
-    "  servo_N.csv    the profile at N cycles a minute for a motion controller\n"
+    "  servo_N.csv    the profile at N cycles a minute, planned or from the map, for a motion controller\n"
     "  map.csv        the characteristic map's knots, and map.svg\n"
     "  curves.csv     position error over the operating speed: conventional, scaled, planned, from the map; and "
     "curves.svg\n"
@@ -248,38 +248,42 @@ static void servo_name(double cycles, char name[64]) {
     }
 }
 
-static scree_status write_servo(struct planning *p, const scree_plan *plan) {
+static scree_status write_servo(struct planning *p, double cycles, const struct scree_profile *profile) {
     const struct transport_file *f = &p->file;
     char name[64];
-    servo_name(plan->cycles, name);
-    scree_table_options options = {.rate = f->rate, .cycles = f->angle ? plan->cycles : 0.0};
+    servo_name(cycles, name);
+    scree_table_options options = {.rate = f->rate, .cycles = f->angle ? cycles : 0.0};
     scree_cycle cycle;
-    scree_cycle_def def = {.cycles = plan->cycles, .lift = f->lift};
-    if (f->lift != 0.0 && scree_cycle_make(&def, &plan->profile, &cycle))
-        return scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no return stroke at %g cycles/min: %s",
-                            plan->cycles, cycle.text);
+    scree_cycle_def def = {.cycles = cycles, .lift = f->lift};
+    if (f->lift != 0.0 && scree_cycle_make(&def, profile, &cycle))
+        return scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no return stroke at %g cycles/min: %s", cycles,
+                            cycle.text);
     FILE *file = figures_begin(&p->output, name, NULL, &p->tables);
     if (!file) return p->output.trouble.status;
-    int failed = f->lift != 0.0 ? scree_table_write_cycle(file, &cycle, &options)
-                                : scree_table_write(file, &plan->profile, &options);
+    int failed =
+        f->lift != 0.0 ? scree_table_write_cycle(file, &cycle, &options) : scree_table_write(file, profile, &options);
     scree_status status = figures_end(&p->output, &p->tables);
     if (!status && failed)
         status = scree_report(&p->output.trouble, SCREE_BAD_INPUT, NULL, "no servo table at %g rows a second", f->rate);
     return status;
 }
 
-/* Whether there is a servo table for speed k: the first plan of its speed. */
-static int has_servo(const struct planning *p, int k) {
-    if (!(p->file.rate > 0.0) || p->speeds[k].plan.state) return 0;
+/* Whether there is a servo table for speed k, the first of its speed, and its profile: the plan's or the map's. */
+static int has_servo(const struct planning *p, int k, struct scree_profile *profile) {
+    const struct transport_file *f = &p->file;
+    if (!(f->rate > 0.0)) return 0;
     for (int j = 0; j < k; j++)
-        if (p->file.speed[j] == p->file.speed[k]) return 0;
-    return 1;
+        if (f->speed[j] == f->speed[k]) return 0;
+    if (f->from_map) return scree_map_profile(&p->map, f->speed[k], profile) == SCREE_MAP_GOOD;
+    *profile = p->speeds[k].plan.profile;
+    return p->speeds[k].plan.state == SCREE_PLAN_GOOD;
 }
 
 static scree_status write_servos(struct planning *p) {
     scree_status status = SCREE_OK;
+    struct scree_profile profile;
     for (int k = 0; k < p->file.speeds && !status; k++)
-        if (has_servo(p, k)) status = write_servo(p, &p->speeds[k].plan);
+        if (has_servo(p, k, &profile)) status = write_servo(p, p->file.speed[k], &profile);
     return status;
 }
 
@@ -537,7 +541,7 @@ static void print_new_motion(const struct transport_file *f, double critical) {
     int limited = f->task.largest_acceleration > 0.0 || f->task.largest_jerk > 0.0;
     double drive = limited ? scree_limit_drive(&f->task, low, 100.0 * low) : HUGE_VAL;
     double high = highest_speed(&f->task, low, &plan);
-    printf("the new motion (rigid product): from n_low = %.4g cycles/min", low);
+    printf("the new motion (formulation A, rigid product): from n_low = %.4g cycles/min", low);
     if (drive <= low)
         printf(", where the drive's limit is passed already: it can't be run\n");
     else if (high < drive)
@@ -564,7 +568,8 @@ static void print_limits(const struct planning *p) {
         double least, most;
         if (!design.state) {
             scree_limit_range(&f->task, &design, f->process.tine_restitution, f->tolerance, &least, &most);
-            printf("a profile for %g cycles/min, scaled (rigid product, restitution %g): within %g mm from n_min = "
+            printf("a profile for %g cycles/min, scaled (formulation A, rigid product, restitution %g): within %g mm "
+                   "from n_min = "
                    "%.4g to "
                    "n_max = %.4g; no detachment below n_det = %.4g\n",
                    f->design, f->process.tine_restitution, 1e3 * f->tolerance, least, most,
@@ -590,8 +595,9 @@ static int is_stale(const struct planning *p, const char *name) {
     char own[64 + sizeof ".csv"];
     servo_name(cycles, own);
     if (strcmp(strcat(own, ".csv"), name) != 0) return 0; /* not named by this program */
+    struct scree_profile profile;
     for (int k = 0; k < p->file.speeds; k++)
-        if (p->file.speed[k] == cycles && has_servo(p, k)) return 0;
+        if (p->file.speed[k] == cycles && has_servo(p, k, &profile)) return 0;
     return 1;
 }
 

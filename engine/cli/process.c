@@ -359,23 +359,31 @@ static void note(struct process_run *run, const struct process_sample *s, struct
     *last = now;
 }
 
-/* Time in which friction stops whatever the comb has thrown: bounces between the tines lose speed too, and twice its
- * largest is more than restitution can give. The rest is for the creep at the end. */
-static double time_to_rest(const struct process *p, const struct scree_profile *profile) {
-    struct scree_extrema extrema = scree_profile_extrema(profile);
-    double fastest = 2.0 * fmax(extrema.largest.v, -extrema.least.v);
+/* Longest time of a run, s: friction stops whatever the comb has thrown, bounces between the tines lose speed too, and
+ * twice the comb's largest is more than restitution can give. The rest is for the creep at the end. */
+static double longest_run(const struct process *p, double duration, double fastest) {
     /* The creep at the end decays from the threshold to 1e-9 m/s like exp(-mu_s g t/threshold): in 30 time constants if
      * the threshold is below 1e4 m/s. */
     double creep = 30.0 * p->threshold / (p->static_friction * p->gravity);
-    return 2.0 + creep + fastest / (p->kinetic_friction * p->gravity);
+    return duration + 2.0 + creep + 2.0 * fastest / (p->kinetic_friction * p->gravity);
+}
+
+scree_status process_check_length(const struct process *p, double duration, double fastest, scree_trouble *trouble) {
+    double longest = longest_run(p, duration, fastest);
+    if (steps_in(longest, p->step)) return SCREE_OK;
+    return scree_report(
+        trouble, SCREE_FAILED, NULL,
+        "a run may last %.3g s, until friction (%.3g m/s^2) has stopped the product: more than %d steps "
+        "of %g s",
+        longest, p->kinetic_friction * p->gravity, MOST_STEPS, p->step);
 }
 
 /* Step until the comb has arrived and the product rests. */
 static scree_status run_to_rest(const struct process *p, scree_scene *scene, const struct scree_profile *profile,
-                                struct process_run *run, struct process_sample *s) {
+                                double deadline, struct process_run *run, struct process_sample *s) {
     struct parts parts = find_parts(scene);
     scree_status status = SCREE_OK;
-    double duration = scree_profile_duration(profile), shown = -1.0, deadline = duration + time_to_rest(p, profile);
+    double duration = scree_profile_duration(profile), shown = -1.0;
     *s = sample(p, scene, parts);
     struct nearing last = {.gap = clearance(p, scene, parts)};
     /* At rest as slow as the regularised friction lets it be: what is left of the way is below 1e-12 m. */
@@ -398,16 +406,14 @@ static scree_status run_to_rest(const struct process *p, scree_scene *scene, con
 
 scree_status process_simulate(const struct process *p, const struct scree_profile *profile, double target,
                               struct process_run *run) {
-    double duration = scree_profile_duration(profile);
-    long steps = steps_in(duration, p->step);
+    struct scree_extrema extrema = scree_profile_extrema(profile);
+    double duration = scree_profile_duration(profile), fastest = fmax(extrema.largest.v, -extrema.least.v);
     run->error = run->approach = run->touched = run->catch_force = run->push_force = 0.0;
-    if (steps == 0)
-        return scree_report(&run->trouble, SCREE_FAILED, NULL, "a stroke of %g s in steps of %g s: more than %d steps",
-                            duration, p->step, MOST_STEPS);
-    scree_scene *scene = make_scene(p, profile, duration / (double)steps, 1, &run->trouble);
+    if (process_check_length(p, duration, fastest, &run->trouble)) return SCREE_FAILED;
+    scree_scene *scene = make_scene(p, profile, duration / (double)steps_in(duration, p->step), 1, &run->trouble);
     if (!scene) return run->trouble.status;
     struct process_sample s;
-    scree_status status = run_to_rest(p, scene, profile, run, &s);
+    scree_status status = run_to_rest(p, scene, profile, longest_run(p, duration, fastest), run, &s);
     run->error = s.product - target;
     scree_scene_destroy(scene);
     return status;

@@ -38,6 +38,11 @@ scree_status process_load(struct process *process, const char *path, const scree
  * says. */
 scree_status process_check(const struct process *process, scree_trouble *trouble);
 
+/* SCREE_FAILED if a run takes more steps than anyone could wait for: a stroke of `duration` (s), and the time in which
+ * friction stops what a comb of at most `fastest` (m/s) has thrown. */
+scree_status process_check_length(const struct process *process, double duration, double fastest,
+                                  scree_trouble *trouble);
+
 void process_free(struct process *process);
 
 /* State of the model at one instant. */
@@ -63,7 +68,7 @@ struct process_run {
 int process_catch(void *process, const struct scree_profile *profile, double until, scree_catch *result);
 
 /* Run the profile with all tines until the product rests; `target` is its wanted final position, m. SCREE_FAILED if it
- * hasn't come to rest in the time that friction needs for the fastest slide. */
+ * hasn't come to rest in the time that friction needs for the fastest slide, or that takes too many steps. */
 scree_status process_simulate(const struct process *process, const struct scree_profile *profile, double target,
                               struct process_run *run);
 

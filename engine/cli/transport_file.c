@@ -175,6 +175,20 @@ static void read_plan(struct scree_reader *r, struct transport_file *f) {
         scree_complain(r, scree_toml_nearest(r->root, "transport.optimise"), "optimise = \"catch\" needs a [model]");
 }
 
+/* How long friction takes to stop the product, a rigid plan's velocities tell beforehand. */
+static void check_lengths(struct scree_reader *r, const struct transport_file *f) {
+    for (int k = 0; k < f->speeds; k++) {
+        double v[3] = {0.0};
+        scree_trouble cause = {0};
+        scree_plan_rigid(&f->task, f->speed[k], v);
+        if (process_check_length(&f->process, scree_transport_time(&f->task, f->speed[k]), fabs(v[0]), &cause))
+            scree_complain(
+                r, scree_toml_nearest(r->root, "transport.gravity"),
+                "at %g cycles/min %s; expected more friction or gravity, a smaller `threshold` or a larger `step`",
+                f->speed[k], cause.text);
+    }
+}
+
 static void read_map(struct scree_reader *r, struct transport_file *f) {
     static const char *const keys[] = {"from", "to", "bound", "weight", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "map");
@@ -202,12 +216,18 @@ static void read_curves(struct scree_reader *r, struct transport_file *f) {
 }
 
 static void read_servo(struct scree_reader *r, struct transport_file *f) {
-    static const char *const keys[] = {"rate", "angle", "lift", NULL};
+    static const char *const keys[] = {"rate", "angle", "lift", "map", NULL};
     const struct scree_toml *table = scree_read_table(r, r->root, "servo");
     if (!table) return;
     scree_check_keys(r, table, "[servo]", keys);
     f->rate = read_positive(r, table, "rate", 1000.0);
     f->angle = scree_read_boolean(r, table, "angle");
+    f->from_map = scree_read_boolean(r, table, "map");
+    for (int k = 0; f->from_map && k < f->speeds; k++)
+        if (!f->mapped || f->speed[k] < f->map.low || f->speed[k] > f->map.high)
+            scree_complain(r, scree_toml_get(table, "map"),
+                           "tables from the map need a [map] whose range holds all speeds, got %g cycles/min",
+                           f->speed[k]);
     f->lift = scree_read_number(r, table, "lift", 0.0);
     double slowest = HUGE_VAL, most = 1e7;
     for (int k = 0; k < f->speeds; k++) slowest = fmin(slowest, f->speed[k]);
@@ -230,6 +250,7 @@ static void read_root(struct scree_reader *r) {
     read_task(r, f);
     if (!r->status) read_model(r, f);
     if (!r->status) read_plan(r, f);
+    if (!r->status && f->modelled) check_lengths(r, f);
     if (!r->status) read_map(r, f);
     if (!r->status) read_curves(r, f);
     if (!r->status) read_servo(r, f);

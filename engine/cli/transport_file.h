@@ -24,9 +24,10 @@ struct transport_file {
     int curves; /* number of speeds, 0: no curves */
     double from, to, design, tolerance;
 
-    double rate; /* rows a second of servo tables, 0: none */
-    int angle;   /* machine angle instead of time */
-    double lift; /* of the return stroke, m; 0: the forward stroke alone */
+    double rate;  /* rows a second of servo tables, 0: none */
+    int angle;    /* machine angle instead of time */
+    int from_map; /* what the map gives at the speeds, not what is planned for them */
+    double lift;  /* of the return stroke, m; 0: the forward stroke alone */
 };
 
 /* Read a file, changed by `assignments` (see scree_toml_set); "-" is standard input. Free the result in any case. */
