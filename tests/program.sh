@@ -536,6 +536,7 @@ check 'cases of a suite' 0 '21 of 21 bounds met' "$scree" reproduce rolling visc
     -o "$work/suite"
 check 'an unknown suite' 2 'did you mean "mfix"' "$scree" reproduce --suite mfx -o "$work/suite"
 check 'no such figure' 2 'no figure "99"' "$scree" reproduce 99
+check 'a figure without its letter' 2 'no figure "5"; did you mean "5a"?' "$scree" reproduce 5
 check 'figures without gnuplot' 0 "gnuplot can't be started" env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 9 11b
 for file in fig_9.csv fig_9.gp fig_11b.csv report.csv; do expect "reproduce writes $file" test -s "$work/figures/$file"; done
 nothing_left "$work/figures/fig_9.svg"
@@ -558,7 +559,7 @@ check 'data folder' 2 'No such file' "$scree" reproduce -o "$work/figures" --dat
 
 # Plans.
 transport=$root/data/transport
-check 'figures of the plan' 0 '29 of 29 bounds met' env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 5b 14 15
+check 'figures of the plan' 0 '31 of 31 bounds met' env PATH=/nonexistent "$scree" reproduce -o "$work/figures" 5b 14 15
 plan() { env PATH=/nonexistent "$scree" plan "$@" -o "$work/plan"; }
 check 'a plan' 0 'hybrid operation: conventional up to 81.5' plan "$transport/bars.toml" --set 'plan.speeds=[500]' --set map.to=320 \
     --set curves.count=3 --set curves.from=400

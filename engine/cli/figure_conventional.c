@@ -104,6 +104,8 @@ static const char script_6a[] =
     "set xlabel 'operating speed (1/min)'\nset ylabel 'positioning error (mm)'\nset key top left\n"
     "set arrow from 75.727, graph 0 to 75.727, graph 0.5 nohead lc rgb '#888888' dt 3\n"
     "set label 'n_0' at 75.727, graph 0.52 center\n"
+    "set arrow from 81.50, graph 0 to 81.50, graph 0.5 nohead lc rgb '#888888' dt 3\n"
+    "set label 'n_{crit} (1 mm)' at 81.50, graph 0.52 left\n"
     "plot 'fig_6a.csv' using 1:($2*1e3) with lines ls 1 title 'rigid body',\\\n"
     "     '' using 1:($3*1e3) with points ls 2 title 'simulated, 10^4 N/m',\\\n"
     "     '' using 1:($4*1e3) with points ls 3 title 'simulated, 10^5 N/m',\\\n"

@@ -110,11 +110,12 @@ static int is_suite(const char *name) {
 
 /* Those of a suite (NULL: the figures of the process model, "all": everything), or those named. */
 static int select_figures(int count, char **words, const char *suite, int wanted[FIGURES]) {
-    const char *suites[FIGURES + 2] = {"all"};
+    const char *suites[FIGURES + 2] = {"all"}, *names[FIGURES + 1] = {NULL};
     int known = suite == NULL || strcmp(suite, "all") == 0;
     for (int k = 0, n = 1; k < FIGURES; k++) {
         int of_suite = suite && list[k].suite && strcmp(suite, list[k].suite) == 0;
         known |= of_suite;
+        names[k] = list[k].name;
         wanted[k] = count == 0 && (suite == NULL ? list[k].suite == NULL : of_suite || strcmp(suite, "all") == 0);
         if (list[k].suite && strcmp(list[k].suite, suites[n - 1]) != 0) suites[n++] = list[k].suite;
     }
@@ -125,7 +126,9 @@ static int select_figures(int count, char **words, const char *suite, int wanted
     for (int n = 0; n < count; n++) {
         int k = find_figure(words[n]);
         if (k < 0 && is_suite(words[n])) return cli_complain("\"%s\" is a suite: --suite %s", words[n], words[n]);
-        if (k < 0) return cli_complain("there is no figure \"%s\"; scree reproduce --list names them", words[n]);
+        if (k < 0)
+            return cli_complain("there is no figure \"%s\"%s; scree reproduce --list names them", words[n],
+                                scree_hint(words[n], names).text);
         wanted[k] = 1;
     }
     return EXIT_GOOD;
