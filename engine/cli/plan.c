@@ -73,6 +73,16 @@ static scree_plan_options options_of(const struct transport_file *f) {
 /* A number and the comma before it; nothing for what isn't known. */
 static void put(FILE *file, double x) { fprintf(file, isfinite(x) ? ",%.17g" : ",", x); }
 
+/* How many speeds are done, on a terminal: with little friction each may take minutes. */
+static void show_progress(const char *what, int *done, int all) {
+#pragma omp critical
+    {
+        ++*done;
+        if (isatty(STDERR_FILENO))
+            fprintf(stderr, "\r%s: %d of %d speeds%s", what, *done, all, *done == all ? "\n" : "");
+    }
+}
+
 /* ---- plans ---- */
 
 static double catch_cost(void *file, const scree_plan *plan) {
@@ -223,9 +233,12 @@ static void print_plans(const struct planning *p) {
 
 static void make_plans(struct planning *p) {
     const struct transport_file *f = &p->file;
-    int misplaced = 0;
+    int misplaced = 0, done = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(p->threads)
-    for (int k = 0; k < f->speeds; k++) plan_speed(f, f->speed[k], &p->speeds[k]);
+    for (int k = 0; k < f->speeds; k++) {
+        plan_speed(f, f->speed[k], &p->speeds[k]);
+        show_progress("plans", &done, f->speeds);
+    }
     for (int k = 0; k < f->speeds; k++) {
         const struct speed *s = &p->speeds[k];
         p->failed += s->plan.state || (f->modelled && !s->ran);
@@ -408,8 +421,12 @@ static scree_status make_curves(struct planning *p) {
     p->errors = calloc((size_t)f->curves, sizeof *p->errors);
     if (!p->errors)
         return scree_report(&p->output.trouble, SCREE_NO_MEMORY, NULL, "no memory for %d speeds", f->curves);
+    int done = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(p->threads)
-    for (int k = 0; k < f->curves; k++) errors_at(p, &design, curve_speed(f, k), p->errors[k]);
+    for (int k = 0; k < f->curves; k++) {
+        errors_at(p, &design, curve_speed(f, k), p->errors[k]);
+        show_progress("curves", &done, f->curves);
+    }
     return SCREE_OK;
 }
 
