@@ -491,8 +491,7 @@ static int makes_sense(const scree_lm_problem *problem, const scree_lm_options *
 size_t scree_lm_workspace(int unknowns, int residuals) {
     if (!sizes_fit(unknowns, residuals)) return 0;
     size_t n = (size_t)unknowns, m = (size_t)residuals;
-    size_t doubles = 2 * m * n + 5 * m + 2 * n * n + 13 * n + n * (n + 5);
-    return doubles * sizeof(double) + 2 * n * sizeof(int) + 2 * n;
+    return SCREE_LM_DOUBLES(n, m) * sizeof(double);
 }
 
 static double *take(double **memory, int count) {
@@ -501,6 +500,7 @@ static double *take(double **memory, int count) {
     return start;
 }
 
+/* As many doubles as SCREE_LM_DOUBLES says. */
 static void lay_out(struct solver *s, void *workspace) {
     double *memory = workspace;
     int n = s->n, m = s->m;
@@ -525,9 +525,9 @@ static void lay_out(struct solver *s, void *workspace) {
     s->scratch = take(&memory, n * (n + 5));
     s->inverse = take(&memory, n * n);
     s->keep = take(&memory, 3 * n);
-    s->pivot = (int *)memory;
+    s->pivot = (int *)take(&memory, n);
     s->index = s->pivot + n;
-    s->held = (char *)(s->index + n);
+    s->held = (char *)take(&memory, n);
     s->seen = s->held + n;
     memset(s->held, 0, 2 * (size_t)n);
     memset(s->norms, 0, 2 * (size_t)n * sizeof(double)); /* and the gradient, which follows */

@@ -93,7 +93,10 @@ typedef struct scree_lm_outcome {
     double last_step;   /* |D p|/|D x| of the last Gauss-Newton step: an estimate of the relative error of x */
 } scree_lm_outcome;
 
-/* Bytes of workspace that a problem needs, 0 for sizes that make no sense; its memory must be aligned as malloc's. */
+/* Workspace of a problem with n unknowns and m residuals in doubles, for an array of constant size; */
+#define SCREE_LM_DOUBLES(n, m) (2 * (m) * (n) + 5 * (m) + 3 * (n) * (n) + 20 * (n))
+
+/* and in bytes, 0 for sizes that make no sense; its memory must be aligned as malloc's. */
 size_t scree_lm_workspace(int unknowns, int residuals);
 
 /* Minimise from x, which receives the result; `options` may be NULL. */

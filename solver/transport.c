@@ -188,7 +188,7 @@ static int residual_b(void *context, const double *x, double *r) {
 
 static scree_lm_outcome solve_b(struct task *task, double *x) {
     scree_lm_problem problem = {.unknowns = 4, .residuals = 4, .residual = residual_b, .context = task};
-    double workspace[400];
+    double workspace[SCREE_LM_DOUBLES(4, 4)];
     scree_lm_options options = {.central = 1, .typical = (const double[]){1.0, 1.0, 1.0, 10.0}};
     return scree_lm_solve(&problem, &options, x, workspace);
 }
@@ -291,7 +291,7 @@ static void judge_c(struct task *task, const double *x, scree_plan *plan) {
 }
 
 static void plan_c(const scree_transport *t, const scree_plan_options *options, scree_plan *plan) {
-    double x[4], workspace[400];
+    double x[4], workspace[SCREE_LM_DOUBLES(4, 4)];
     if (!options->process) {
         fail(plan, SCREE_PLAN_BAD_TASK, "formulation C needs a process model");
         return;
@@ -413,7 +413,7 @@ scree_lm_outcome scree_plan_nine(const scree_transport *transport, double cycles
     check_task(transport, cycles, plan);
     if (plan->state) return (scree_lm_outcome){.reason = SCREE_LM_BAD_INPUT};
     set_times(transport, cycles, plan);
-    double mean = transport->distance / plan->duration, T = plan->duration, workspace[1200];
+    double mean = transport->distance / plan->duration, T = plan->duration, workspace[SCREE_LM_DOUBLES(9, 9)];
     double x[9] = {1.5 * mean, 0.5 * mean, 1.5 * mean, 0.0, 0.0, 0.0, 0.25 * T, 0.5 * T, 0.75 * T};
     struct nine nine = {transport, T};
     scree_lm_problem problem = {.unknowns = 9, .residuals = 9, .residual = residual_nine, .context = &nine};
