@@ -968,43 +968,61 @@ static void test_alone(void) {
         unsetenv("SCREE_ISA");
 }
 
-/* Pairs of spheres that press on each other across the border of a periodic domain; one of every fourth pair is held
- * along the axis, so that it is no ball to the method. `all` 0: those pairs alone. */
-static scree_scene *pairs_across(int all) {
+/* Pairs of spheres that press on each other across the border of a periodic domain. In two of them one sphere is held
+ * along the axis, so that it is no ball to the method. They are so few that bodies aren't sorted: for then such spheres
+ * came first, and a block whose first contact isn't one of balls doesn't go straight. */
+enum { PAIRS = 7 };
+
+/* The second body of pair 2, the first of pair 6. */
+static int is_held(int pair, int second) { return second ? pair == 2 : pair == 6; }
+
+/* `all` 0: the pairs with such spheres alone. */
+static scree_scene *pairs_across(int all, const char *friction, double second_radius) {
     char text[8192];
     size_t used = (size_t)snprintf(
         text, sizeof text,
         "[time]\nend = 1.0\nforce = true\nstep = 1e-5\nintegrator = \"pair-impulse\"\n"
         "[domain]\nmin = [0, 0, 0]\nmax = [0.2, 1, 1]\nperiodic = [\"x\"]\n[[material]]\nname = \"m\"\n[[contact]]\n"
-        "between = [\"m\", \"m\"]\nnormal = { law = \"tsuji\", stiffness = 5e6, restitution = 0.6 }\n"
-        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.5, shear_modulus = 8e6 }\n");
-    for (int k = 0; k < 12; k++)
-        for (int end = 0; end < 2 && (all || k % 4 == 2); end++)
-            used +=
-                (size_t)snprintf(text + used, sizeof text - used,
-                                 "[[body]]\nname = \"%c%d\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\n"
-                                 "mass = 0.01\nposition = [%.17g, %.17g, 0.5]\nvelocity = [0, 0, %.17g]\n%s",
-                                 end ? 'b' : 'a', k, end ? 0.2 - 0.0149 : 0.005, 0.04 + 0.05 * k,
-                                 end ? 0.1 + 0.01 * k : 0.0, end && k % 4 == 2 ? "joint = { x = \"fixed\" }\n" : "");
+        "between = [\"m\", \"m\"]\nnormal = { law = \"tsuji\", stiffness = 5e6, restitution = 0.6 }\n%s",
+        friction);
+    for (int k = 0; k < PAIRS; k++)
+        for (int second = 0; second < 2 && (all || k % 4 == 2); second++)
+            used += (size_t)snprintf(text + used, sizeof text - used,
+                                     "[[body]]\nname = \"%c%d\"\nshape = { sphere = %g }\nmaterial = \"m\"\n"
+                                     "mass = 0.01\nposition = [%.17g, %.17g, 0.5]\nvelocity = [0, 0, %.17g]\n%s",
+                                     second ? 'b' : 'a', k, second ? second_radius : 0.01,
+                                     second ? 0.2 - 0.0049 - second_radius : 0.005, 0.04 + 0.05 * k,
+                                     second ? 0.1 + 0.01 * k : 0.0,
+                                     is_held(k, second) ? "joint = { x = \"fixed\" }\n" : "");
     return scene_from(text, NULL, 0, 1);
 }
 
-/* A contact of what isn't a ball among such as go straight through the step. */
-static void test_held_among_balls(void) {
-    scree_scene *among = pairs_across(1), *alone = pairs_across(0);
+/* A contact of what isn't a ball among such as go straight through the step: they are reckoned in other ways where
+ * radii are equal, and without friction. */
+static void check_held_among_balls(const char *friction, double second_radius) {
+    scree_scene *among = pairs_across(1, friction, second_radius), *alone = pairs_across(0, friction, second_radius);
+    CHECK(among->bodies.order.slabs == 0);
     go(among, 100);
     go(alone, 100);
-    for (int k = 2; k < 12; k += 4)
-        for (int end = 0; end < 2; end++) {
+    for (int k = 2; k < PAIRS; k += 4)
+        for (int second = 0; second < 2; second++) {
             char name[16];
-            snprintf(name, sizeof name, "%c%d", end ? 'b' : 'a', k);
+            snprintf(name, sizeof name, "%c%d", second ? 'b' : 'a', k);
             scree_body_state one = state_of(among, name), same = state_of(alone, name);
             CHECK(memcmp(&one, &same, sizeof one) == 0);
-            CHECK(one.velocity[2] != (end ? 0.1 + 0.01 * k : 0.0)); /* they have rubbed */
-            CHECK(end ? one.velocity[0] == 0.0 : one.velocity[0] > 0.0);
+            CHECK((one.spin[1] != 0.0) == (friction[0] != 0)); /* they have rubbed */
+            CHECK(is_held(k, second) ? one.velocity[0] == 0.0 : (second ? -1.0 : 1.0) * one.velocity[0] > 0.0);
         }
     scree_scene_destroy(among);
     scree_scene_destroy(alone);
+}
+
+static void test_held_among_balls(void) {
+    static const char mindlin[] =
+        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.5, shear_modulus = 8e6 }\n";
+    check_held_among_balls(mindlin, 0.01);
+    check_held_among_balls(mindlin, 0.012);
+    check_held_among_balls("", 0.01);
 }
 
 /* Spheres that are put in another order before the first step, walls before them: where nothing touches, nothing
