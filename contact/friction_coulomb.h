@@ -79,7 +79,6 @@ static const struct scree_friction_law scree_friction_coulomb = {
              .example = "static = 0.4, kinetic = 0.3, stiffness = 4e4",
              .parameters = coulomb_parameters},
     .memory = 1,
-    .slider = 1,
     .bake = friction_coulomb_bake,
     .force = friction_coulomb_force,
     .grip = friction_coulomb_grip,

@@ -83,7 +83,6 @@ static const struct scree_friction_law scree_friction_karnopp = {
              .example = "static = 0.4, kinetic = 0.3, band = 5e-4, stiffness = 4e4, damping = 20.0",
              .parameters = karnopp_parameters},
     .memory = 1,
-    .slider = 1,
     .bake = friction_karnopp_bake,
     .force = friction_karnopp_force,
     .grip = friction_karnopp_grip,

@@ -38,7 +38,6 @@ static const struct scree_friction_law scree_friction_mindlin = {
              .example = "static = 0.4, kinetic = 0.3, shear_modulus = 4e8",
              .parameters = mindlin_parameters},
     .memory = 1,
-    .slider = 1,
     .takes_roots = 1,
     .root = 2,
     .bake = mindlin_bake,

@@ -47,7 +47,6 @@ static const struct scree_friction_law scree_friction_mindlin_incremental = {
              .example = "static = 0.4, kinetic = 0.3, shear_modulus = 4e8, damping = 0.1",
              .parameters = mindlin_parameters},
     .memory = 1,
-    .slider = 1,
     .in_force = 1,
     .root = 2,
     .bake = mindlin_bake,

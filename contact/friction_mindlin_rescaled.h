@@ -42,7 +42,6 @@ static const struct scree_friction_law scree_friction_mindlin_rescaled = {
              .example = "static = 0.4, kinetic = 0.3, shear_modulus = 4e8",
              .parameters = mindlin_parameters},
     .memory = 1,
-    .slider = 1,
     .in_force = 1,
     .rescaled = 1,
     .root = 2,

@@ -173,7 +173,7 @@ static struct scree_pair_motion laws_of(const struct scree_contacts *contacts, s
     p.reach = p.normal->reach ? p.normal->reach(p.normal_law, p.normal_pair) : 0.0;
     p.root = p.reach > 0.0 ? 2 : p.normal->root; /* the radius of an adhesive contact ends like a root */
     if (p.friction && p.friction->root > p.root) p.root = p.friction->root;
-    p.slider = p.friction && p.friction->slider;
+    p.slider = p.friction && p.friction->hold;
     p.bare = p.slider && scree_is_bare(p.friction, p.friction_law, p.friction_pair);
     p.turns = !p.normal->turns_smoothly || (p.friction && p.friction->rescaled);
     p.books = contacts->measured;

@@ -172,11 +172,10 @@ struct scree_slider {
 
 struct scree_friction_law {
     struct scree_law_text text;
-    int memory; /* keeps stretch and state */
-    int slider; /* the stretch is that of a spring behind a slider: with half = 0 it is cut to what the slider holds */
+    int memory;      /* keeps state, and stretch of a spring behind a slider (`hold`) or of a bristle (`rate`) */
+    int in_force;    /* of a slider: what is kept isn't the stretch but the force of its spring, N */
+    int rescaled;    /* of such a force: it falls with the stiffness, sqrt(d), while the overlap does */
     int takes_roots; /* `grip` takes scree_roots */
-    int in_force;    /* as `slider`, but what is kept is the force of that spring, N */
-    int rescaled;    /* as `in_force`, but the force falls with the stiffness, sqrt(d), while the overlap does */
     int root;        /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
@@ -188,7 +187,8 @@ struct scree_friction_law {
     struct scree_slider (*grip)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                 struct scree_sliding at);
     /* What a law with memory makes of it at an instant, for those who integrate it in time; exactly one of the two:
-     * that of a slider behind a spring, or the rate (m/s) at which the stretch of a bristle changes. */
+     * that of a slider behind a spring, whose stretch `force` with half = 0 cuts to what it holds, or the rate (m/s) at
+     * which the stretch of a bristle changes. NULL: it is the other, or keeps nothing. */
     struct scree_hold (*hold)(const struct scree_law_constants *law, struct scree_sliding at);
     struct vec (*rate)(const struct scree_law_constants *law, struct scree_pair_constants pair,
                        struct scree_sliding at);
@@ -219,7 +219,7 @@ static inline struct scree_hold scree_hold_on(const struct scree_friction_law *f
 /* A slider behind a bare spring? Whether there is a dashpot is a matter of the law, not of the pair or the overlap. */
 static inline int scree_is_bare(const struct scree_friction_law *friction, const struct scree_law_constants *law,
                                 struct scree_pair_constants pair) {
-    return friction->slider && friction->damping(law, pair, 1.0) == 0.0;
+    return friction->hold && friction->damping(law, pair, 1.0) == 0.0;
 }
 
 /* A rolling law resists the relative turning of two bodies: rolling, about axes across the normal, and twisting, about

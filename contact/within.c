@@ -128,7 +128,7 @@ static const double weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0}, no
  * while the overlap does, which it does throughout a piece or not at all. */
 static int goes_by_stretch(const struct scree_pair_motion *p, const struct scree_pair_instant *at, double normal,
                            double time) {
-    if (!p->friction->in_force || !p->friction->rescaled) return !p->friction->in_force;
+    if (!p->friction->rescaled) return !p->friction->in_force;
     double speeding = -vec_dot(p->a, p->n) - p->normal_give * normal;
     return closing_of(p, at) + 0.5 * time * speeding < 0.0;
 }

@@ -355,7 +355,7 @@ static void test_takes_energy(void) {
             if (!bristle && work < 0.0) continue;
             total += work - stored;
             double owed = 0.0;
-            if (f.law->slider && at.sliding > 0.0 && !(kept.sliding > 0.0))
+            if (f.law->hold && at.sliding > 0.0 && !(kept.sliding > 0.0))
                 owed = at.half * f.law->stiffness(constants, pair, at.overlap) *
                        (fmax(vec_dot(at.stretch, at.velocity), 0.0) + 0.5 * at.half * vec_norm2(at.velocity));
             CHECK(work - stored >= -1e-14 * (fabs(work) + before) - owed); /* rounding */

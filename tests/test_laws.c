@@ -495,6 +495,9 @@ static void test_descriptions(void) {
         NEEDS(law, slope);
         NEEDS(law, stiffness);
         NEEDS(law, damping);
+        CHECK((law->hold != NULL) + (law->rate != NULL) == law->memory);
+        CHECK(law->hold || (!law->in_force && !law->grip && !law->band));
+        CHECK(law->in_force ? !law->grip : !law->rescaled);
         CHECK(scree_find_friction_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1);
     }
     for (int l = 0; scree_rolling_laws[l]; l++) {
