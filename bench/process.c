@@ -61,7 +61,8 @@ static double stage_contacts(scree_scene *scene, long steps) {
 static double stage_advance(scree_scene *scene, long steps) {
     double gravity[3] = {0.0, 0.0, 0.0}, start = bench_now();
     for (int k = 0; k < scene->bodies.count; k++) /* nothing moves, so the state stays */
-        for (int axis = 0; axis < 3; axis++) scene->bodies.record[k].f[axis] = scene->bodies.record[k].t[axis] = 0.0;
+        for (int axis = 0; axis < 3; axis++)
+            scene->bodies.record[k].impulse[axis] = scene->bodies.record[k].turn[axis] = 0.0;
     for (long k = 0; k < steps; k++)
         scree_bodies_advance(&scene->bodies, scene->bodies.count, scree_scene_time(scene), scene->step, gravity);
     return (bench_now() - start) / (double)steps * 1e9;

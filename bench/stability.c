@@ -151,7 +151,7 @@ static scree_scene *make_scene(const char *integrator, enum law law, double rati
     if (!status) {
         /* As if it had lain there before it got its speed: the impulse of the last step, from which velocities are
          * predicted. */
-        double *impulse = scene->bodies.record[scree_scene_find_body(scene, "ball")].f;
+        double *impulse = scene->bodies.record[scree_scene_find_body(scene, "ball")].impulse;
         impulse[0] = impulse[1] = 0.0;
         impulse[2] = gravity * step;
         return scene;
@@ -181,7 +181,8 @@ static int is_stable(const char *integrator, enum law law, double ratio, double 
     scree_scene *scene = make_scene(integrator, law, ratio, step, 1);
     double x = 0.0, v = 0.0;
     int stable = 1;
-    scene->bodies.record[scree_scene_find_body(scene, "ball")].f[0] = 0.1 * swing * omega; /* no mode begins at zero */
+    /* No mode begins at zero. */
+    scene->bodies.record[scree_scene_find_body(scene, "ball")].impulse[0] = 0.1 * swing * omega;
     for (int k = 0; k < 2000 && stable; k++) {
         stable = scree_scene_step(scene, 1) == SCREE_OK;
         look(scene, law, &x, &v);

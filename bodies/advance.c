@@ -36,8 +36,8 @@ static void face(struct scree_bodies *bodies, int index, struct quat q) {
 }
 
 static void clear_loads(struct scree_record *record) {
-    memset(record->f, 0, sizeof record->f);
-    memset(record->t, 0, sizeof record->t);
+    memset(record->impulse, 0, sizeof record->impulse);
+    memset(record->turn, 0, sizeof record->turn);
 }
 
 /* Attitude and spin half a step ahead; a body that can't turn keeps both. */
@@ -53,7 +53,7 @@ static void look_ahead_turn(struct scree_bodies *bodies, int index, double step)
     struct quat q = quat_from(attitude->q);
     struct mat frame = quat_to_mat(q);
     face(bodies, index, rotate(attitude, inertia, joint, q, &frame, l, 0.5 * step, 0, turn.position));
-    struct vec predicted = vec_axpy(l, 0.5, vec_from(record->t));
+    struct vec predicted = vec_axpy(l, 0.5, vec_from(record->turn));
     vec_store(spin_at(attitude, inertia, joint, &attitude->frame, predicted, turn.velocity), bodies->spin[index].w);
 }
 
@@ -70,7 +70,7 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
             record->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
             record->x[k] = bodies->position[index][k] + 0.5 * step * state->v[k];
-            record->v[k] = state->v[k] + 0.5 * (inertia->inverse_mass[k] * record->f[k] + step * gravity[k]);
+            record->v[k] = state->v[k] + 0.5 * (inertia->inverse_mass[k] * record->impulse[k] + step * gravity[k]);
         }
     }
     look_ahead_turn(bodies, index, step);
@@ -106,7 +106,7 @@ static void advance_turn(struct scree_bodies *bodies, int index, double step) {
     struct scree_attitude *attitude = scree_attitude_of(bodies, index);
     double angle = joint->turn == SCREE_DRIVEN ? bodies->moved[joint->turn_motion].position : 0.0;
     for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
-        state->l[k] = scree_settle(state->l[k] + bodies->record[index].t[k]);
+        state->l[k] = scree_settle(state->l[k] + bodies->record[index].turn[k]);
     struct quat q = rotate(attitude, &scree_kind_of(bodies, index)->inertia, joint, attitude->ahead, &attitude->frame,
                            vec_from(state->l), 0.5 * step, 1, angle);
     quat_store(q, attitude->q);
@@ -123,7 +123,7 @@ static void advance_general(struct scree_bodies *bodies, int index, double step,
             state->v[k] = bodies->moved[joint->along_motion[k]].velocity;
         } else if (joint->along[k] == SCREE_FREE) {
             state->v[k] =
-                scree_settle(state->v[k] + (scree_kind_of(bodies, index)->inertia.inverse_mass[k] * record->f[k] +
+                scree_settle(state->v[k] + (scree_kind_of(bodies, index)->inertia.inverse_mass[k] * record->impulse[k] +
                                             step * gravity[k]));
             bodies->position[index][k] = record->x[k] + 0.5 * step * state->v[k];
         }

@@ -66,10 +66,10 @@ static inline void scree_ball_stay(struct scree_ball_rows rows, double position[
  * state. */
 static inline struct scree_ball_rows scree_ball_advance(const struct scree_record *record, struct scree_state *state,
                                                         double step, scree_row gravity) {
-    const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t;
-    scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
+    const scree_row *impulse = (const scree_row *)record->impulse, *turn = (const scree_row *)record->turn;
+    scree_row kick = scree_row_times(record->inverse_mass, *impulse) + scree_row_times(step, gravity);
     scree_row v = scree_row_settle(*(const scree_row *)state->v + kick);
-    scree_row l = scree_row_settle(scree_row_behind(state->v) + *t);
+    scree_row l = scree_row_settle(scree_row_behind(state->v) + *turn);
     scree_row x = *(const scree_row *)record->x + scree_row_times(0.5 * step, v);
     *(scree_row *)state->v = v; /* in this order: its fourth number isn't that of the momentum */
     *(scree_row *)&state->v[2] = __builtin_shufflevector(v, l, 2, 4, 5, 6);
@@ -81,15 +81,16 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
 static inline double scree_ball_look_ahead(struct scree_record *record, struct scree_spin *spin,
                                            struct scree_ball_rows state, double step, scree_row gravity,
                                            const float *flight) {
-    const scree_row *f = (const scree_row *)record->f, *t = (const scree_row *)record->t, none = {0.0, 0.0, 0.0, 0.0};
+    const scree_row *impulse = (const scree_row *)record->impulse, *turn = (const scree_row *)record->turn;
+    const scree_row none = {0.0, 0.0, 0.0, 0.0};
     scree_row off = state.v - scree_row_of_floats(flight), square = off * off;
-    scree_row kick = scree_row_times(record->inverse_mass, *f) + scree_row_times(step, gravity);
-    scree_row ahead = state.l + scree_row_times(0.5, *t);
+    scree_row kick = scree_row_times(record->inverse_mass, *impulse) + scree_row_times(step, gravity);
+    scree_row ahead = state.l + scree_row_times(0.5, *turn);
     scree_row_put(state.x + scree_row_times(0.5 * step, state.v), record->x);
     scree_row_put(state.v + scree_row_times(0.5, kick), record->v);
     scree_row_put(scree_row_times(record->inverse_moment, ahead), spin->w);
-    scree_row_put(none, record->f);
-    scree_row_put(none, record->t);
+    scree_row_put(none, record->impulse);
+    scree_row_put(none, record->turn);
     return square[0] + square[1] + square[2];
 }
 
@@ -112,8 +113,8 @@ static inline struct scree_ball_rows scree_ball_advance(const struct scree_recor
                                                         double step, scree_row gravity) {
     struct scree_ball_rows rows = {.state = state};
     for (int k = 0; k < 3; k++) {
-        double v = state->v[k] + (record->inverse_mass * record->f[k] + step * gravity[k]),
-               l = state->l[k] + record->t[k];
+        double v = state->v[k] + (record->inverse_mass * record->impulse[k] + step * gravity[k]),
+               l = state->l[k] + record->turn[k];
         state->v[k] = scree_settle(v);
         rows.x[k] = record->x[k] + 0.5 * step * state->v[k];
         state->l[k] = scree_settle(l);
@@ -127,11 +128,11 @@ static inline double scree_ball_look_ahead(struct scree_record *record, struct s
     const struct scree_state *state = rows.state;
     const double *v = state->v;
     for (int k = 0; k < 3; k++) {
-        double kick = record->inverse_mass * record->f[k] + step * gravity[k];
+        double kick = record->inverse_mass * record->impulse[k] + step * gravity[k];
         record->x[k] = rows.x[k] + 0.5 * step * v[k];
         record->v[k] = v[k] + 0.5 * kick;
-        spin->w[k] = record->inverse_moment * (state->l[k] + 0.5 * record->t[k]);
-        record->f[k] = record->t[k] = 0.0;
+        spin->w[k] = record->inverse_moment * (state->l[k] + 0.5 * record->turn[k]);
+        record->impulse[k] = record->turn[k] = 0.0;
     }
     double x = v[0] - (double)flight[0], y = v[1] - (double)flight[1], z = v[2] - (double)flight[2];
     return x * x + y * y + z * z;

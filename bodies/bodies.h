@@ -20,14 +20,15 @@
 
 #include <stdint.h>
 
-/* What the contact loop reads (x, v and the spin: half a step ahead) and adds to (f, t). The fourth lane of each row is
- * free in a record of doubles fit for four-wide loads, and carries what contacts need besides. Two rows that are used
- * together fill a line of the cache, and never lie across two: so the spin, the odd row, has an array of its own. */
+/* What the contact loop reads (x, v and the spin: half a step ahead) and adds to (impulse, turn). The fourth lane of
+ * each row is free in a record of doubles fit for four-wide loads, and carries what contacts need besides. Two rows
+ * that are used together fill a line of the cache, and never lie across two: so the spin, the odd row, has an array of
+ * its own. */
 struct scree_record {
-    double x[3], radius;         /* centre, m; radius of the ball at the centre or at each corner, m */
-    double v[3], inverse_mass;   /* m/s; 1/kg, 0 if forces can't move the centre */
-    double f[3], inverse_moment; /* impulse of the step, N s; of a ball 1/(kg m^2) */
-    double t[3], bound;          /* angular impulse of the step, N m s; radius about the centre, m */
+    double x[3], radius;               /* centre, m; radius of the ball at the centre or at each corner, m */
+    double v[3], inverse_mass;         /* m/s; 1/kg, 0 if forces can't move the centre */
+    double impulse[3], inverse_moment; /* of the step, N s; of a ball 1/(kg m^2) */
+    double turn[3], bound;             /* angular impulse of the step, N m s; radius about the centre, m */
 };
 
 _Static_assert(sizeof(struct scree_record) == 2 * 64, "two lines of the cache");
@@ -65,9 +66,9 @@ struct scree_attitude {
 /* What the pair-impulse method (contact/impulse.c) keeps of a body, beside its record and state: two lines of the
  * cache. */
 struct scree_past {
-    double f[2][3], t[2][3]; /* impulses (N s, N m s) of the last step and of the one before it */
-    double known[3];         /* acceleration that no contact causes: gravity, drives, m/s^2 */
-    double range;            /* bound of the way that any point of the body makes in the step, m */
+    double impulse[2][3], turn[2][3]; /* of the last step and of the one before it, N s, N m s */
+    double known[3];                  /* acceleration that no contact causes: gravity, drives, m/s^2 */
+    double range;                     /* bound of the way that any point of the body makes in the step, m */
 };
 
 /* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads: two lines, too. All zero

@@ -10,7 +10,7 @@ static inline void advance_along(int k, const struct scree_record *record, const
                                  struct scree_state *state, double x[3], const struct scree_inertia *inertia,
                                  double step, const double gravity[3]) {
     double before = state->v[k], inverse_mass = inertia->inverse_mass[k];
-    state->v[k] = scree_settle(before + (inverse_mass * record->f[k] + step * gravity[k]));
+    state->v[k] = scree_settle(before + (inverse_mass * record->impulse[k] + step * gravity[k]));
     x[k] = record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
 }
 
@@ -24,7 +24,7 @@ static void turn_by_moments(struct scree_bodies *bodies, int index, double step)
     struct quat q = rotate(attitude, &scree_kind_of(bodies, index)->inertia, joint, attitude->ahead, &attitude->frame,
                            second, 0.5 * step, 1, angle);
     for (int k = 0; joint->turn == SCREE_FREE && k < 3; k++)
-        state->l[k] = scree_settle(state->l[k] + bodies->record[index].t[k]);
+        state->l[k] = scree_settle(state->l[k] + bodies->record[index].turn[k]);
     quat_store(q, attitude->q);
 }
 
@@ -89,8 +89,8 @@ static double range_of(const struct scree_bodies *bodies, const struct scree_bod
         known_turn = vec_norm(vec_from(scree_attitude_of(bodies, index)->known_turn));
     }
     for (int k = 0; k < 3; k++) mass = fmax(mass, inertia->inverse_mass[k]);
-    double push = 2.0 * vec_norm(vec_from(past->f[0])) + vec_norm(vec_from(past->f[1]));
-    double twist = 2.0 * vec_norm(vec_from(past->t[0])) + vec_norm(vec_from(past->t[1]));
+    double push = 2.0 * vec_norm(vec_from(past->impulse[0])) + vec_norm(vec_from(past->impulse[1]));
+    double twist = 2.0 * vec_norm(vec_from(past->turn[0])) + vec_norm(vec_from(past->turn[1]));
     double along = vec_norm(vec_from(record->v)) + mass * push + step * vec_norm(vec_from(past->known));
     double around = spin + turn * twist + step * (known_turn + spin * spin);
     /* A plane's turning about its normal moves no surface. */
@@ -105,10 +105,10 @@ static void prepare_push(const struct scree_bodies *bodies, int index, double st
     const double *mass = scree_kind_of(bodies, index)->inertia.inverse_mass,
                  moment = scree_kind_of(bodies, index)->inertia.inverse_moments[0];
     for (int k = 0; k < 3; k++) {
-        push->along[k] = past->known[k] + mass[k] * past->f[0][k] / step;
-        push->more[k] = mass[k] * (past->f[0][k] - past->f[1][k]) / step;
-        push->turn[k] = moment * past->t[0][k] / step;
-        push->turn_more[k] = moment * (past->t[0][k] - past->t[1][k]) / step;
+        push->along[k] = past->known[k] + mass[k] * past->impulse[0][k] / step;
+        push->more[k] = mass[k] * (past->impulse[0][k] - past->impulse[1][k]) / step;
+        push->turn[k] = moment * past->turn[0][k] / step;
+        push->turn_more[k] = moment * (past->turn[0][k] - past->turn[1][k]) / step;
         bodies->moment[index][k] = 0.0;
     }
     push->along[3] = past->range;

@@ -16,30 +16,30 @@ static inline double scree_ball_range(double speed, double inverse_mass, double 
 
 /* The impulses of a step that is over become past. */
 static inline void scree_settle_past(struct scree_past *past, const struct scree_record *record) {
-    memcpy(past->f[1], past->f[0], sizeof past->f[0]);
-    memcpy(past->t[1], past->t[0], sizeof past->t[0]);
-    memcpy(past->f[0], record->f, sizeof past->f[0]);
-    memcpy(past->t[0], record->t, sizeof past->t[0]);
+    memcpy(past->impulse[1], past->impulse[0], sizeof past->impulse[0]);
+    memcpy(past->turn[1], past->turn[0], sizeof past->turn[0]);
+    memcpy(past->impulse[0], record->impulse, sizeof past->impulse[0]);
+    memcpy(past->turn[0], record->turn, sizeof past->turn[0]);
 }
 
 #ifdef __AVX__
 /* Impulses of the last step, and of the one before it; fourth numbers are as they come. */
 struct scree_ball_past {
-    scree_row f, t, f_before, t_before;
+    scree_row impulse, turn, impulse_before, turn_before;
 };
 
 static inline struct scree_ball_past scree_ball_past_of(const struct scree_past *past) {
-    return (struct scree_ball_past){*(const scree_row *)past->f[0], *(const scree_row *)past->t[0],
-                                    *(const scree_row *)past->f[1], *(const scree_row *)past->t[1]};
+    return (struct scree_ball_past){*(const scree_row *)past->impulse[0], *(const scree_row *)past->turn[0],
+                                    *(const scree_row *)past->impulse[1], *(const scree_row *)past->turn[1]};
 }
 
 /* Each row's fourth number is the next one's first: the last is that of what is known already. */
 static inline void scree_keep_ball_past(struct scree_ball_past p, struct scree_past *past) {
     scree_row known = *(const scree_row *)past->known;
-    *(scree_row *)past->f[0] = p.f;
-    *(scree_row *)past->f[1] = p.f_before;
-    *(scree_row *)past->t[0] = p.t;
-    *(scree_row *)past->t[1] = p.t_before;
+    *(scree_row *)past->impulse[0] = p.impulse;
+    *(scree_row *)past->impulse[1] = p.impulse_before;
+    *(scree_row *)past->turn[0] = p.turn;
+    *(scree_row *)past->turn[1] = p.turn_before;
     *(scree_row *)past->known = known;
 }
 
@@ -63,16 +63,16 @@ static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, str
     *(scree_row *)start->v = scree_row_with(rows.v, record->inverse_mass);
     *(scree_row *)now->spin[index].w =
         scree_row_with(scree_row_times(record->inverse_moment, rows.l), bodies->spin[index].limit);
-    *(scree_row *)push->more = scree_row_with(scree_row_times(rate[0], p.f - p.f_before), 0.0);
-    *(scree_row *)push->turn = scree_row_with(scree_row_times(rate[1], p.t), record->inverse_moment);
-    *(scree_row *)push->turn_more = scree_row_with(scree_row_times(rate[1], p.t - p.t_before), 0.0);
+    *(scree_row *)push->more = scree_row_with(scree_row_times(rate[0], p.impulse - p.impulse_before), 0.0);
+    *(scree_row *)push->turn = scree_row_with(scree_row_times(rate[1], p.turn), record->inverse_moment);
+    *(scree_row *)push->turn_more = scree_row_with(scree_row_times(rate[1], p.turn - p.turn_before), 0.0);
     *(scree_row *)bodies->moment[index] = none;
-    scree_row square = {scree_row_square(rows.v), scree_row_square(p.f), scree_row_square(p.f_before), 0.0};
+    scree_row square = {scree_row_square(rows.v), scree_row_square(p.impulse), scree_row_square(p.impulse_before), 0.0};
     square[3] =
         scree_ball_look_ahead(record, &bodies->spin[index], rows, step, gravity, scree_flight_row(bodies, index));
     scree_row size = scree_row_root(square);
     double range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], fall, step);
-    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.f), range);
+    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.impulse), range);
     *(scree_row *)past->known = scree_row_with(gravity, range);
     return scree_outgrown(&bodies->path[index], step * size[3], margin);
 }
@@ -89,16 +89,17 @@ static inline struct scree_ball_rows scree_ball_go_on(struct scree_bodies *bodie
                                                       scree_row gravity, struct scree_ball_past *past) {
     const struct scree_record *record = &bodies->record[index];
     double *state = bodies->state[index].v;
-    scree_row f = *(const scree_row *)record->f, t = *(const scree_row *)record->t, v = *(const scree_row *)state;
+    scree_row impulse = *(const scree_row *)record->impulse, turn = *(const scree_row *)record->turn;
+    scree_row v = *(const scree_row *)state;
     scree_row moved = scree_row_times(record->inverse_mass, *(const scree_row *)bodies->moment[index]) +
                       scree_row_times(0.5 * step * step, gravity);
     scree_row x = *(const scree_row *)record->x + (scree_row_times(0.5 * step, v) + moved);
-    scree_row l = scree_row_settle(scree_row_behind(state) + t);
-    v = scree_row_settle(v + (scree_row_times(record->inverse_mass, f) + scree_row_times(step, gravity)));
+    scree_row l = scree_row_settle(scree_row_behind(state) + turn);
+    v = scree_row_settle(v + (scree_row_times(record->inverse_mass, impulse) + scree_row_times(step, gravity)));
     *(scree_row *)state = v; /* in this order: its fourth number isn't that of the momentum */
     *(scree_row *)&state[2] = __builtin_shufflevector(v, l, 2, 4, 5, 6);
     struct scree_ball_past before = scree_ball_past_of(&bodies->past[index]);
-    *past = (struct scree_ball_past){f, t, before.f, before.t};
+    *past = (struct scree_ball_past){impulse, turn, before.impulse, before.turn};
     scree_keep_ball_past(*past, &bodies->past[index]);
     struct scree_ball_rows rows = {x, v, l};
     scree_ball_stay(rows, bodies->position[index]);
@@ -135,10 +136,10 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
         start->x[k] = bodies->position[index][k];
         start->v[k] = state->v[k];
         now->spin[index].w[k] = record->inverse_moment * state->l[k];
-        push->along[k] = gravity[k] + along * past->f[0][k];
-        push->more[k] = along * (past->f[0][k] - past->f[1][k]);
-        push->turn[k] = turn * past->t[0][k];
-        push->turn_more[k] = turn * (past->t[0][k] - past->t[1][k]);
+        push->along[k] = gravity[k] + along * past->impulse[0][k];
+        push->more[k] = along * (past->impulse[0][k] - past->impulse[1][k]);
+        push->turn[k] = turn * past->turn[0][k];
+        push->turn_more[k] = turn * (past->turn[0][k] - past->turn[1][k]);
         bodies->moment[index][k] = 0.0;
         past->known[k] = gravity[k];
     }
@@ -147,8 +148,9 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
     now->spin[index].limit = bodies->spin[index].limit;
     push->turn[3] = record->inverse_moment;
     push->more[3] = 0.0;
-    past->range = push->along[3] = scree_ball_range(scree_size_of(state->v), record->inverse_mass,
-                                                    scree_size_of(past->f[0]), scree_size_of(past->f[1]), fall, step);
+    past->range = push->along[3] =
+        scree_ball_range(scree_size_of(state->v), record->inverse_mass, scree_size_of(past->impulse[0]),
+                         scree_size_of(past->impulse[1]), fall, step);
     double square = scree_ball_look_ahead(record, &bodies->spin[index], scree_ball_rows(state, bodies->position[index]),
                                           step, gravity, scree_flight_row(bodies, index));
     return scree_outgrown(&bodies->path[index], step * sqrt(square), margin);
@@ -161,8 +163,8 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
     struct scree_state *state = &bodies->state[index];
     double inverse_mass = record->inverse_mass;
     for (int k = 0; k < 3; k++) {
-        double before = state->v[k], v = before + (inverse_mass * record->f[k] + step * gravity[k]);
-        double l = state->l[k] + record->t[k];
+        double before = state->v[k], v = before + (inverse_mass * record->impulse[k] + step * gravity[k]);
+        double l = state->l[k] + record->turn[k];
         state->v[k] = scree_settle(v);
         state->l[k] = scree_settle(l);
         bodies->position[index][k] =

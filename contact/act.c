@@ -11,12 +11,12 @@ static void add_to_bodies(struct scree_bodies *bodies, const struct scree_contac
                           const struct scree_yield *yield, int lane, int turns) {
     struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     for (int k = 0; k < 3; k++) {
-        ball->f[k] += yield->impulse[k][lane];
-        host->f[k] -= yield->impulse[k][lane];
+        ball->impulse[k] += yield->impulse[k][lane];
+        host->impulse[k] -= yield->impulse[k][lane];
     }
     for (int k = 0; turns && k < 3; k++) {
-        ball->t[k] += yield->turn_ball[k][lane];
-        host->t[k] += yield->turn_host[k][lane];
+        ball->turn[k] += yield->turn_ball[k][lane];
+        host->turn[k] += yield->turn_host[k][lane];
     }
 }
 

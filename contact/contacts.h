@@ -304,10 +304,10 @@ struct scree_return {
     double from[3], ahead[3]; /* where its state and its record were, m */
 };
 
-/* A sleeper that somebody may push, and what still contacts do to it: N s and N m s in a step. */
+/* A sleeper that somebody may push, and what still contacts do to it in a step, N s and N m s. */
 struct scree_borderer {
     int body;
-    double f[3], t[3];
+    double impulse[3], turn[3];
 };
 
 /* Bodies that sleep (rest.h). */

@@ -81,8 +81,8 @@ static struct vec ahead(const double past[2][3], double more) {
 /* What all but the pair itself is expected to do to the body at the contact, m/s^2; `own`: the pair's impulse,
  * extrapolated alike. */
 static struct vec acceleration(const struct side *side, struct vec own, double more, double step) {
-    struct vec push = vec_axpy(ahead(side->past->f, more), -side->sign, force_of(side, own));
-    struct vec twist = ahead(side->past->t, more);
+    struct vec push = vec_axpy(ahead(side->past->impulse, more), -side->sign, force_of(side, own));
+    struct vec twist = ahead(side->past->turn, more);
     if (side->turns) twist = vec_axpy(twist, -side->sign, torque_of(side, own));
     struct vec along = vec_axpy(vec_from(side->past->known), 1.0 / step, vec_times(side->inverse_mass, push));
     struct vec turn = vec_axpy(side->known_turn, 1.0 / step, mat_apply(&side->inverse_inertia, twist));
@@ -573,10 +573,10 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
             if (kick.ball < 0) continue;
             for (int s = 0; s < 2; s++) {
                 struct scree_past *ball = &bodies->past[kick.ball], *host = &bodies->past[kick.host];
-                vec_store(vec_add(vec_from(ball->f[s]), kick.impulse), ball->f[s]);
-                vec_store(vec_sub(vec_from(host->f[s]), kick.impulse), host->f[s]);
-                vec_store(vec_add(vec_from(ball->t[s]), kick.turn_ball), ball->t[s]);
-                vec_store(vec_add(vec_from(host->t[s]), kick.turn_host), host->t[s]);
+                vec_store(vec_add(vec_from(ball->impulse[s]), kick.impulse), ball->impulse[s]);
+                vec_store(vec_sub(vec_from(host->impulse[s]), kick.impulse), host->impulse[s]);
+                vec_store(vec_add(vec_from(ball->turn[s]), kick.turn_ball), ball->turn[s]);
+                vec_store(vec_add(vec_from(host->turn[s]), kick.turn_host), host->turn[s]);
                 keep_past(batch, s, k, kick.impulse, contacts->rule[batch->rule].friction >= 0 ? kick.overlap : 0.0);
             }
         }

@@ -178,8 +178,8 @@ static SCREE_INLINE double move_one(struct scree_bodies *bodies, int k, const st
                                     scree_row gravity, scree_row next) {
     struct scree_record *record = &bodies->record[k];
     if (bodies->class[k] != SCREE_CLASS_BALL) {
-        memset(record->f, 0, sizeof record->f);
-        memset(record->t, 0, sizeof record->t);
+        memset(record->impulse, 0, sizeof record->impulse);
+        memset(record->turn, 0, sizeof record->turn);
         return 0.0;
     }
     struct scree_ball_rows rows = scree_ball_advance(record, &bodies->state[k], go->step, gravity);

@@ -146,10 +146,10 @@ void scree_contacts_begin(const struct scree_contacts *contacts, struct scree_bo
             struct scree_kick kick = scree_kick_now(contacts, bodies, b, k, step);
             if (kick.ball < 0) continue;
             struct scree_record *ball = &bodies->record[kick.ball], *host = &bodies->record[kick.host];
-            vec_store(vec_add(vec_from(ball->f), kick.impulse), ball->f);
-            vec_store(vec_sub(vec_from(host->f), kick.impulse), host->f);
-            vec_store(vec_add(vec_from(ball->t), kick.turn_ball), ball->t);
-            vec_store(vec_add(vec_from(host->t), kick.turn_host), host->t);
+            vec_store(vec_add(vec_from(ball->impulse), kick.impulse), ball->impulse);
+            vec_store(vec_sub(vec_from(host->impulse), kick.impulse), host->impulse);
+            vec_store(vec_add(vec_from(ball->turn), kick.turn_ball), ball->turn);
+            vec_store(vec_add(vec_from(host->turn), kick.turn_host), host->turn);
         }
     }
 }

@@ -196,8 +196,8 @@ static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block
         kick_evenly(b, lane, step, r);
         transpose_wide(r);
         for (int i = 0; i < WIDTH && lane + i < count; i++) {
-            *(wide_row *)ends->ball[lane + i]->f += r[i];
-            *(wide_row *)ends->host[lane + i]->f += on_other(r[i]);
+            *(wide_row *)ends->ball[lane + i]->impulse += r[i];
+            *(wide_row *)ends->host[lane + i]->impulse += on_other(r[i]);
         }
     }
 }
@@ -214,9 +214,9 @@ static SCREE_INLINE void push_in_hand(const struct ends *ends, const struct bloc
         for (int i = 0; i < 3; i++) r[i] = (wide_row)((wide_bits)r[i] ^ turned);
         transpose_wide(r);
         for (int i = 0; i < WIDTH && lane + i < count; i++) {
-            sum = (wide_row)(((wide_bits)sum & pairs.again[i]) | *(const wide_bits *)pairs.from[i]->f) + r[i];
-            *(wide_row *)pairs.first[i]->f = sum;
-            *(wide_row *)pairs.other[i]->f += on_other(r[i]);
+            sum = (wide_row)(((wide_bits)sum & pairs.again[i]) | *(const wide_bits *)pairs.from[i]->impulse) + r[i];
+            *(wide_row *)pairs.first[i]->impulse = sum;
+            *(wide_row *)pairs.other[i]->impulse += on_other(r[i]);
         }
     }
 }
@@ -241,7 +241,8 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
         load_kicks(kicks->impulse, kicks->turn_ball, lane, on_ball);
         if (hosts && !by_levers(deeds)) load_kicks(kicks->impulse, kicks->turn_host, lane, on_host);
         for (int i = 0; i < 8 && lane + i < count; i++) {
-            wide_row *ball = (wide_row *)ends->ball[lane + i]->f, *host = (wide_row *)ends->host[lane + i]->f;
+            wide_row *ball = (wide_row *)ends->ball[lane + i]->impulse,
+                     *host = (wide_row *)ends->host[lane + i]->impulse;
             if (by_levers(deeds)) {
                 *ball += on_ball[i] * with_lever(-b->lever[0][lane + i]);
                 if (hosts) *host -= on_ball[i] * with_lever(b->lever[1][lane + i]);
@@ -268,14 +269,14 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
         if (deeds & TURNS && hosts && !by_levers(deeds)) load_kicks(kicks->turn_host, lane, turn_host);
         for (int i = 0; i < 4 && lane + i < count; i++) {
             struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
-            *(scree_row *)ball->f += impulse[i];
-            if (hosts) *(scree_row *)host->f -= impulse[i];
+            *(scree_row *)ball->impulse += impulse[i];
+            if (hosts) *(scree_row *)host->impulse -= impulse[i];
             if (by_levers(deeds)) {
-                *(scree_row *)ball->t += scree_row_times(-b->lever[0][lane + i], turn_ball[i]);
-                if (hosts) *(scree_row *)host->t -= scree_row_times(b->lever[1][lane + i], turn_ball[i]);
+                *(scree_row *)ball->turn += scree_row_times(-b->lever[0][lane + i], turn_ball[i]);
+                if (hosts) *(scree_row *)host->turn -= scree_row_times(b->lever[1][lane + i], turn_ball[i]);
             } else if (deeds & TURNS) {
-                *(scree_row *)ball->t += turn_ball[i];
-                if (hosts) *(scree_row *)host->t -= turn_host[i];
+                *(scree_row *)ball->turn += turn_ball[i];
+                if (hosts) *(scree_row *)host->turn -= turn_host[i];
             }
         }
     }
@@ -286,14 +287,14 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
     for (int lane = 0; lane < count; lane++) {
         struct scree_record *ball = ends->ball[lane], *host = ends->host[lane];
         for (int k = 0; k < 3; k++) {
-            ball->f[k] += kicks->impulse[k][lane];
-            if (hosts) host->f[k] -= kicks->impulse[k][lane];
+            ball->impulse[k] += kicks->impulse[k][lane];
+            if (hosts) host->impulse[k] -= kicks->impulse[k][lane];
             if (by_levers(deeds)) {
-                ball->t[k] += -b->lever[0][lane] * kicks->turn_ball[k][lane];
-                if (hosts) host->t[k] -= b->lever[1][lane] * kicks->turn_ball[k][lane];
+                ball->turn[k] += -b->lever[0][lane] * kicks->turn_ball[k][lane];
+                if (hosts) host->turn[k] -= b->lever[1][lane] * kicks->turn_ball[k][lane];
             } else if (deeds & TURNS) {
-                ball->t[k] += kicks->turn_ball[k][lane];
-                if (hosts) host->t[k] -= kicks->turn_host[k][lane];
+                ball->turn[k] += kicks->turn_ball[k][lane];
+                if (hosts) host->turn[k] -= kicks->turn_host[k][lane];
             }
         }
     }

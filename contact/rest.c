@@ -64,8 +64,8 @@ static void find_border(struct scree_contacts *contacts, const struct scree_bodi
 static void add_load(struct scree_rest *rest, int body, double sign, struct vec impulse, struct vec turn) {
     if (!rest->on_border[body]) return;
     struct scree_borderer *one = &rest->border[rest->on_border[body] - 1];
-    vec_store(vec_axpy(vec_from(one->f), sign, impulse), one->f);
-    vec_store(vec_add(vec_from(one->t), turn), one->t);
+    vec_store(vec_axpy(vec_from(one->impulse), sign, impulse), one->impulse);
+    vec_store(vec_add(vec_from(one->turn), turn), one->turn);
 }
 
 /* What a still contact presses. */
@@ -156,8 +156,8 @@ scree_status scree_rest_prepare(struct scree_contacts *contacts, struct scree_bo
     rest->stale = 0;
     for (int n = 0; n < rest->borderers; n++) {
         struct scree_record *record = &bodies->record[rest->border[n].body];
-        memcpy(record->f, rest->border[n].f, sizeof record->f);
-        memcpy(record->t, rest->border[n].t, sizeof record->t);
+        memcpy(record->impulse, rest->border[n].impulse, sizeof record->impulse);
+        memcpy(record->turn, rest->border[n].turn, sizeof record->turn);
     }
     return SCREE_OK;
 }
@@ -219,8 +219,8 @@ static double imbalance(const struct scree_bodies *bodies, int k, double step, c
     const struct scree_record *record = &bodies->record[k];
     const double *inverse = scree_kind_of(bodies, k)->inertia.inverse_moments;
     double lightest = fmax(inverse[0], fmax(inverse[1], inverse[2]));
-    struct vec pull = vec_axpy(vec_from(gravity), record->inverse_mass / step, vec_from(record->f));
-    return vec_norm(pull) + vec_norm(vec_from(record->t)) / step * lightest * record->bound;
+    struct vec pull = vec_axpy(vec_from(gravity), record->inverse_mass / step, vec_from(record->impulse));
+    return vec_norm(pull) + vec_norm(vec_from(record->turn)) / step * lightest * record->bound;
 }
 
 static int may_sleep(const struct scree_bodies *bodies, int k) {
@@ -252,8 +252,8 @@ static void wake(struct scree_contacts *contacts, struct scree_bodies *bodies, i
                  const double gravity[3]) {
     struct scree_record *record = &bodies->record[k];
     for (int axis = 0; axis < 3; axis++) {
-        record->f[axis] = -step * gravity[axis] * scree_kind_of(bodies, k)->inertia.mass;
-        record->t[axis] = 0.0;
+        record->impulse[axis] = -step * gravity[axis] * scree_kind_of(bodies, k)->inertia.mass;
+        record->turn[axis] = 0.0;
     }
     bodies->class[k] = scree_awake_class(bodies, k);
     bodies->calm[k] = 0;
@@ -286,7 +286,7 @@ void scree_rest_look(struct scree_contacts *contacts, struct scree_bodies *bodie
         if (!may_sleep(bodies, k)) continue;
         const struct scree_record *record = &bodies->record[k];
         double speed = scree_fastest_point(bodies, k);
-        int drifts = speed > 0.0 && vec_norm2(vec_from(record->f)) == 0.0; /* nothing holds it */
+        int drifts = speed > 0.0 && vec_norm2(vec_from(record->impulse)) == 0.0; /* nothing holds it */
         int calm = speed < rest->speed && !drifts ? bodies->calm[k] + 1 : 0;
         bodies->calm[k] = (unsigned char)(calm < ENOUGH ? calm : ENOUGH);
         if (calm >= ENOUGH && imbalance(bodies, k, step, gravity) < rest->pull) fall_asleep(contacts, bodies, k);

@@ -502,26 +502,26 @@ int SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *con
         if (turns && hosts) load_rows(yield->turn_host, lane, turn_host);
         for (int i = 0; i < 4 && lane + i < count; i++) {
             int ball = contact[lane + i].ball, host = contact[lane + i].host;
-            *(scree_row *)bodies->record[ball].f += impulse[i];
+            *(scree_row *)bodies->record[ball].impulse += impulse[i];
             *(scree_row *)bodies->moment[ball] += moment[i];
-            if (turns) *(scree_row *)bodies->record[ball].t += turn_ball[i];
+            if (turns) *(scree_row *)bodies->record[ball].turn += turn_ball[i];
             if (!hosts) continue;
-            *(scree_row *)bodies->record[host].f -= impulse[i];
+            *(scree_row *)bodies->record[host].impulse -= impulse[i];
             *(scree_row *)bodies->moment[host] -= moment[i];
-            if (turns) *(scree_row *)bodies->record[host].t += turn_host[i];
+            if (turns) *(scree_row *)bodies->record[host].turn += turn_host[i];
         }
     }
 #else
     for (int lane = 0; lane < count; lane++) {
         int ball = contact[lane].ball, host = contact[lane].host;
         for (int k = 0; k < 3; k++) {
-            bodies->record[ball].f[k] += yield->impulse[k][lane];
+            bodies->record[ball].impulse[k] += yield->impulse[k][lane];
             bodies->moment[ball][k] += moments->impulse[k][lane];
-            if (turns) bodies->record[ball].t[k] += yield->turn_ball[k][lane];
+            if (turns) bodies->record[ball].turn[k] += yield->turn_ball[k][lane];
             if (!hosts) continue;
-            bodies->record[host].f[k] -= yield->impulse[k][lane];
+            bodies->record[host].impulse[k] -= yield->impulse[k][lane];
             bodies->moment[host][k] -= moments->impulse[k][lane];
-            if (turns) bodies->record[host].t[k] += yield->turn_host[k][lane];
+            if (turns) bodies->record[host].turn[k] += yield->turn_host[k][lane];
         }
     }
 #endif

@@ -139,15 +139,16 @@ void scree_adaptive_place(struct scree_scene *scene, const double *y) {
 
 /* ---- rates ---- */
 
+/* Records have what acts in a second instead of a step: forces, N, and torques, N m. */
 static void add_load(struct scree_bodies *bodies, const struct scree_grip *grip, const struct scree_grip_view *view) {
     struct scree_record *ball = &bodies->record[grip->contact.ball], *host = &bodies->record[grip->contact.host];
-    vec_store(vec_add(vec_from(ball->f), view->push), ball->f);
-    vec_store(vec_sub(vec_from(host->f), view->push), host->f);
+    vec_store(vec_add(vec_from(ball->impulse), view->push), ball->impulse);
+    vec_store(vec_sub(vec_from(host->impulse), view->push), host->impulse);
     if (!grip->turns) return;
     struct vec ball_turn = vec_add(vec_cross(view->arm, view->push), view->torque);
     struct vec host_turn = vec_add(vec_cross(view->host_arm, view->push), view->torque);
-    vec_store(vec_add(vec_from(ball->t), ball_turn), ball->t);
-    vec_store(vec_sub(vec_from(host->t), host_turn), host->t);
+    vec_store(vec_add(vec_from(ball->turn), ball_turn), ball->turn);
+    vec_store(vec_sub(vec_from(host->turn), host_turn), host->turn);
 }
 
 /* Forces of all contacts into the records, and what they do to the books. */
@@ -185,12 +186,12 @@ static void move_body(const struct scree_bodies *bodies, int k, const double gra
     const double turn[3] = {tilting.x, tilting.y, tilting.z};
     for (int axis = 0; axis < 3; axis++) {
         rates[OF_X + axis] = rates[OF_V + axis] = 0.0;
-        if (joint->along[axis] == SCREE_DRIVEN) *driven -= record->f[axis] * record->v[axis];
-        if (joint->turn == SCREE_DRIVEN) *driven -= record->t[axis] * bodies->spin[k].w[axis];
-        rates[OF_L + axis] = joint->turn == SCREE_FREE ? record->t[axis] : 0.0;
+        if (joint->along[axis] == SCREE_DRIVEN) *driven -= record->impulse[axis] * record->v[axis];
+        if (joint->turn == SCREE_DRIVEN) *driven -= record->turn[axis] * bodies->spin[k].w[axis];
+        rates[OF_L + axis] = joint->turn == SCREE_FREE ? record->turn[axis] : 0.0;
         if (joint->along[axis] != SCREE_FREE) continue;
         rates[OF_X + axis] = record->v[axis];
-        rates[OF_V + axis] = inertia->inverse_mass[axis] * record->f[axis] + gravity[axis];
+        rates[OF_V + axis] = inertia->inverse_mass[axis] * record->impulse[axis] + gravity[axis];
         *driven -= inertia->mass * turn[axis] * record->x[axis];
     }
     if (scree_kind_of(bodies, k)->slot < 0) return;

@@ -269,8 +269,8 @@ uint64_t scree_scene_hash(const scree_scene *scene) {
         if (scree_kind_of(bodies, k)->slot >= 0)
             hash = scree_hash_on(hash, scree_attitude_of(bodies, k)->q, sizeof bodies->attitude[0].q);
         if (!bodies->past) continue;
-        hash = scree_hash_on(hash, bodies->past[k].f, sizeof bodies->past[k].f);
-        hash = scree_hash_on(hash, bodies->past[k].t, sizeof bodies->past[k].t);
+        hash = scree_hash_on(hash, bodies->past[k].impulse, sizeof bodies->past[k].impulse);
+        hash = scree_hash_on(hash, bodies->past[k].turn, sizeof bodies->past[k].turn);
     }
     for (int b = 0; b < scene->contacts.batches; b++) {
         hash = hash_memory(hash, bodies, &scene->contacts.batch[b]);

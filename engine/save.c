@@ -279,7 +279,7 @@ static scree_status remember(scree_scene *scene, const struct memory *memory, lo
 struct body_part {
     int number, calm; /* asleep: ~calm */
     double x[3], v[3], l[3];
-    double q[4], f[3], t[3], past_f[2][3], past_t[2][3];
+    double q[4], impulse[3], turn[3], past_impulse[2][3], past_turn[2][3];
 };
 
 static struct body_part body_part(const struct scree_bodies *bodies, int k) {
@@ -289,11 +289,11 @@ static struct body_part body_part(const struct scree_bodies *bodies, int k) {
     memcpy(part.v, bodies->state[k].v, sizeof part.v);
     memcpy(part.l, bodies->state[k].l, sizeof part.l);
     if (scree_kind_of(bodies, k)->slot >= 0) memcpy(part.q, scree_attitude_of(bodies, k)->q, sizeof part.q);
-    memcpy(part.f, bodies->record[k].f, sizeof part.f);
-    memcpy(part.t, bodies->record[k].t, sizeof part.t);
+    memcpy(part.impulse, bodies->record[k].impulse, sizeof part.impulse);
+    memcpy(part.turn, bodies->record[k].turn, sizeof part.turn);
     if (!bodies->past) return part;
-    memcpy(part.past_f, bodies->past[k].f, sizeof part.past_f);
-    memcpy(part.past_t, bodies->past[k].t, sizeof part.past_t);
+    memcpy(part.past_impulse, bodies->past[k].impulse, sizeof part.past_impulse);
+    memcpy(part.past_turn, bodies->past[k].turn, sizeof part.past_turn);
     return part;
 }
 
@@ -426,11 +426,11 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
     scree_bodies_look_now(bodies, scree_scene_time(scene), bodies); /* driven ones too are as saved */
     scree_status status = remember(scene, memory, memories);
     for (int k = 0; k < bodies->count; k++) {
-        memcpy(bodies->record[k].f, part[k].f, sizeof part[k].f);
-        memcpy(bodies->record[k].t, part[k].t, sizeof part[k].t);
+        memcpy(bodies->record[k].impulse, part[k].impulse, sizeof part[k].impulse);
+        memcpy(bodies->record[k].turn, part[k].turn, sizeof part[k].turn);
         if (!bodies->past) continue;
-        memcpy(bodies->past[k].f, part[k].past_f, sizeof part[k].past_f);
-        memcpy(bodies->past[k].t, part[k].past_t, sizeof part[k].past_t);
+        memcpy(bodies->past[k].impulse, part[k].past_impulse, sizeof part[k].past_impulse);
+        memcpy(bodies->past[k].turn, part[k].past_turn, sizeof part[k].past_turn);
     }
     if (bodies->calm) take_sleepers(scene, part);
     scene->books_begun = scene->time.energy && !scalars->energy;

@@ -191,11 +191,11 @@ static void book_drives(scree_scene *scene, double time) {
         const struct scree_record *record = &bodies->record[k];
         const scree_joint *joint = &scree_kind_of(bodies, k)->joint;
         for (int axis = 0; axis < 3; axis++) {
-            if (joint->along[axis] == SCREE_DRIVEN) scene->driven -= record->f[axis] * record->v[axis];
+            if (joint->along[axis] == SCREE_DRIVEN) scene->driven -= record->impulse[axis] * record->v[axis];
             if (joint->along[axis] == SCREE_FREE && scene->gravity.tilts)
                 scene->driven -=
                     scree_kind_of(bodies, k)->inertia.mass * (after[axis] - before[axis]) * record->x[axis];
-            if (joint->turn == SCREE_DRIVEN) scene->driven -= record->t[axis] * bodies->spin[k].w[axis];
+            if (joint->turn == SCREE_DRIVEN) scene->driven -= record->turn[axis] * bodies->spin[k].w[axis];
         }
     }
 }

@@ -130,11 +130,11 @@ static void halve_past(double *last, double *before) {
 static void halve_bodies(struct scree_bodies *bodies) {
     for (int k = 0; k < bodies->count; k++)
         for (int axis = 0; axis < 3; axis++) {
-            bodies->record[k].f[axis] *= 0.5;
-            bodies->record[k].t[axis] *= 0.5;
+            bodies->record[k].impulse[axis] *= 0.5;
+            bodies->record[k].turn[axis] *= 0.5;
             if (!bodies->past) continue;
-            halve_past(&bodies->past[k].f[0][axis], &bodies->past[k].f[1][axis]);
-            halve_past(&bodies->past[k].t[0][axis], &bodies->past[k].t[1][axis]);
+            halve_past(&bodies->past[k].impulse[0][axis], &bodies->past[k].impulse[1][axis]);
+            halve_past(&bodies->past[k].turn[0][axis], &bodies->past[k].turn[1][axis]);
         }
 }
 

@@ -551,8 +551,8 @@ static void check_laws(const char *normal, const char *friction, const char *rol
     double h = scree_scene_step_length(scene);
     const double none[3] = {0.0, 0.0, 0.0};
     for (int k = 0; k < scene->bodies.count; k++) { /* as if they had come here freely */
-        memset(scene->bodies.record[k].f, 0, sizeof scene->bodies.record[k].f);
-        memset(scene->bodies.record[k].t, 0, sizeof scene->bodies.record[k].t);
+        memset(scene->bodies.record[k].impulse, 0, sizeof scene->bodies.record[k].impulse);
+        memset(scene->bodies.record[k].turn, 0, sizeof scene->bodies.record[k].turn);
     }
     scree_bodies_look_ahead(&scene->bodies, scene->bodies.count, 0.0, h, none, 1.0);
     int compared = 0, bodies = scene->bodies.count;
@@ -568,8 +568,8 @@ static void check_laws(const char *normal, const char *friction, const char *rol
         }
     scree_contacts_act(&scene->contacts, &scene->bodies, h, 1, NULL);
     for (int k = 0; k < bodies; k += 2) { /* balls are the lower of each pair */
-        CHECK(memcmp(scene->bodies.record[k].f, &impulse[k], sizeof impulse[k]) == 0);
-        CHECK(memcmp(scene->bodies.record[k].t, &turn[k], sizeof turn[k]) == 0);
+        CHECK(memcmp(scene->bodies.record[k].impulse, &impulse[k], sizeof impulse[k]) == 0);
+        CHECK(memcmp(scene->bodies.record[k].turn, &turn[k], sizeof turn[k]) == 0);
     }
     CHECK(compared > pairs / 2);
     free(impulse);
@@ -611,7 +611,7 @@ static void check_remembering(const char *normal, int steps) {
     for (int k = 0; k < batch->count; k++) {
         CHECK(scree_kept(batch, SCREE_KEPT_NORMAL, k) == expected[k].first);
         CHECK(scree_kept(batch, SCREE_KEPT_NORMAL + 1, k) == expected[k].second);
-        const double *got = scene->bodies.record[batch->ends[k].ball].f;
+        const double *got = scene->bodies.record[batch->ends[k].ball].impulse;
         if (compared[k]) CHECK(got[0] == impulse[k].x && got[1] == impulse[k].y && got[2] == impulse[k].z);
     }
     CHECK(touching > 10 && remembering > touching / 3); /* those that parted from the start have no impact speed */

@@ -534,7 +534,7 @@ static void test_senseless_states(void) {
                  {&scene->contacts.deepest_host, &numbers[3], sizeof(int)},
                  {&scene->steps, &steps, sizeof(long)},
                  {&bodies->position[1][2], &nan, sizeof(double)},
-                 {&bodies->record[2].t[1], &nan, sizeof(double)},
+                 {&bodies->record[2].turn[1], &nan, sizeof(double)},
                  {&scene->driven, &nan, sizeof(double)},
                  {&scene->watched.motion, &nan, sizeof(double)},
                  {&batch->kept[0][0], &nan, sizeof(double)}};
