@@ -347,9 +347,12 @@ static void test_places(void) {
     }
 }
 
-static void test_refusals(void) {
+/* ---- what is refused ---- */
+
 #define P "[parameter.p]\nstart = 0.5\n"
 #define S "set = [\"contact.0.normal.restitution={p}\"]\n"
+
+static void test_bad_files(void) {
     static const struct {
         const char *text, *message;
     } cases[] = {
@@ -394,6 +397,17 @@ static void test_refusals(void) {
         {P "[[experiment]]\nscene = \"scene.toml\"\nbody = \"ball\"\n" S, "an experiment needs record"},
         {P "[experiment]\nscene = \"scene.toml\"\n", "experiment must be an array of tables"},
     };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        struct fit_file file;
+        scree_trouble trouble = {0};
+        write_record("z_m");
+        CHECK(read_fit(cases[k].text, &file, &trouble) != SCREE_OK);
+        CONTAINS(trouble.text, cases[k].message);
+        fit_file_free(&file);
+    }
+}
+
+static void test_bad_records(void) {
     static const struct {
         const char *record, *message;
     } records[] = {{"time_s,z_m\n0,0\n0,0\n1,0\n", "record.csv:3:1: times must rise"},
@@ -407,14 +421,6 @@ static void test_refusals(void) {
                    {"time_s,z_m\n0,0\n", "readings: 1, parameters: 1"},
                    {"time_s,z_m,vz_m_s\n0,0,0\n1,0,0\n", "z_m and vz_m_s are of different kinds"},
                    {"time_s,z_m\n0,x\n", "record.csv:2:3:"}};
-    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        struct fit_file file;
-        scree_trouble trouble = {0};
-        write_record("z_m");
-        CHECK(read_fit(cases[k].text, &file, &trouble) != SCREE_OK);
-        CONTAINS(trouble.text, cases[k].message);
-        fit_file_free(&file);
-    }
     for (size_t k = 0; k < sizeof records / sizeof records[0]; k++) {
         struct fit_file file;
         scree_trouble trouble = {0};
@@ -423,13 +429,14 @@ static void test_refusals(void) {
         CONTAINS(trouble.text, records[k].message);
         fit_file_free(&file);
     }
-    /* What the cases have in common is right; bodies.csv is a record of any of its bodies. */
+}
+
+/* What the cases have in common is right; bodies.csv is a record of any of its bodies. */
+static void test_good_record(void) {
     write_file("record.csv", "time_s,body,z_m,q_w\n0,ball,1,1\n0,floor,2,1\n0.1,ball,3,1\n");
     struct fit_file file = fit_of(P EXPERIMENT S "columns = [\"z_m\"]");
     CHECK(file.experiment[0].rows == 2 && file.experiment[0].reading[0][1] == 3.0);
     fit_file_free(&file);
-#undef P
-#undef S
 }
 
 int main(void) {
@@ -447,7 +454,9 @@ int main(void) {
     test_states();
     test_failures();
     test_places();
-    test_refusals();
+    test_bad_files();
+    test_bad_records();
+    test_good_record();
     static const char *const names[] = {"scene.toml", "record.csv", "fit.toml"};
     for (int k = 0; k < 3; k++) {
         char path[64];

@@ -79,7 +79,7 @@ static uint64_t hash_of(const char *text) {
     return hash;
 }
 
-static void test_random(void) {
+static void test_random_radii(void) {
     scree_scene *scene = scene_from(HEAD RANDOM, NULL, 0, 1);
     CHECK(scree_scene_bodies(scene) == 2000);
     CHECK(least_gap(scene, 0.0, 0.05) >= -1e-12); /* rounding of places in parts of the least radius */
@@ -93,32 +93,12 @@ static void test_random(void) {
     CHECK(smallest >= 0.0002 && smallest < 0.00021 && largest <= 0.002 && largest > 0.00198);
     NEAR(mean, 0.0011, 4.0 * 0.0018 / sqrt(12.0 * 2000.0)); /* 4 deviations of a mean of 2000 */
     scree_scene_destroy(scene);
+}
 
-    /* Beside a speck of dust, of which a large sphere reaches any number of cells. */
-    scene =
-        scene_from(HEAD "[[body]]\nname = \"dust\"\nmaterial = \"glass\"\nshape = { sphere = 1e-7 }\nposition = [0.02, "
-                        "0.02, 0.02]\njoint = \"fixed\"\n[[generate]]\nname = \"large\"\nkind = "
-                        "\"random\"\nmaterial = \"glass\"\ncount = 10\nradius = 0.004\nmin = [0, 0, 0]\nmax = [0.05, "
-                        "0.05, 0.05]\n",
-                   NULL, 0, 1);
-    CHECK(scree_scene_bodies(scene) == 11 &&
-          least_gap(scene, 0.0, 0.05) >= -1e-9); /* rounding over the speck's radius */
-    scree_scene_destroy(scene);
-
-    /* Across the borders of a periodic box neither: with one that stands in a corner, and spheres at all borders. */
-    scene = scene_from(HEAD "[domain]\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.04]\nperiodic = [\"x\", \"y\"]\n"
-                            "[[body]]\nname = \"corner\"\nshape = { sphere = 0.004 }\nmaterial = \"glass\"\n"
-                            "position = [0.001, 0.019, 0.01]\njoint = \"fixed\"\n"
-                            "[[generate]]\nname = \"grain\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.001\n"
-                            "min = [-0.001, -0.001, 0]\nmax = [0.021, 0.021, 0.02]\ncount = 400\nseed = 3\n",
-                       NULL, 0, 1);
-    scree_energy energy;
-    CHECK(scree_scene_energy(scene, &energy) == SCREE_OK && energy.stored == 0.0);
-    scree_scene_destroy(scene);
-
-    /* By mass: of the volume, the lower half of the radii has as much as the upper one. The number of large ones is 1
-     * in 100, their share of the volume scatters by some 5 %. */
-    scene = scene_from(HEAD RANDOM "distribution = \"mass\"\n", NULL, 0, 1);
+/* By mass: of the volume, the lower half of the radii has as much as the upper one. The number of large ones is 1 in
+ * 100, their share of the volume scatters by some 5 %. */
+static void test_random_by_mass(void) {
+    scree_scene *scene = scene_from(HEAD RANDOM "distribution = \"mass\"\n", NULL, 0, 1);
     double half[2] = {0.0, 0.0};
     for (int k = 0; k < 2000; k++) {
         double r = scree_scene_body_shape(scene, k).radius;
@@ -126,21 +106,53 @@ static void test_random(void) {
     }
     NEAR(half[0] / (half[0] + half[1]), 0.5, 0.2);
     scree_scene_destroy(scene);
+}
 
-    /* Groups leave room for those before, single bodies among them. */
+/* Beside a speck of dust, of which a large sphere reaches any number of cells. */
+static void test_random_beside_dust(void) {
+    scree_scene *scene =
+        scene_from(HEAD "[[body]]\nname = \"dust\"\nmaterial = \"glass\"\nshape = { sphere = 1e-7 }\nposition = [0.02, "
+                        "0.02, 0.02]\njoint = \"fixed\"\n[[generate]]\nname = \"large\"\nkind = "
+                        "\"random\"\nmaterial = \"glass\"\ncount = 10\nradius = 0.004\nmin = [0, 0, 0]\nmax = [0.05, "
+                        "0.05, 0.05]\n",
+                   NULL, 0, 1);
+    CHECK(scree_scene_bodies(scene) == 11);
+    CHECK(least_gap(scene, 0.0, 0.05) >= -1e-9); /* rounding over the speck's radius */
+    scree_scene_destroy(scene);
+}
+
+/* Nor do they overlap across the borders of a periodic box: with one that stands in a corner, and spheres at all
+ * borders. */
+static void test_random_across_borders(void) {
+    scree_scene *scene =
+        scene_from(HEAD "[domain]\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.04]\nperiodic = [\"x\", \"y\"]\n"
+                        "[[body]]\nname = \"corner\"\nshape = { sphere = 0.004 }\nmaterial = \"glass\"\n"
+                        "position = [0.001, 0.019, 0.01]\njoint = \"fixed\"\n"
+                        "[[generate]]\nname = \"grain\"\nkind = \"random\"\nmaterial = \"glass\"\nradius = 0.001\n"
+                        "min = [-0.001, -0.001, 0]\nmax = [0.021, 0.021, 0.02]\ncount = 400\nseed = 3\n",
+                   NULL, 0, 1);
+    scree_energy energy;
+    CHECK(scree_scene_energy(scene, &energy) == SCREE_OK && energy.stored == 0.0);
+    scree_scene_destroy(scene);
+}
+
+/* Groups leave room for those before, single bodies among them. */
+static void test_random_groups(void) {
     static const char *const fewer[] = {"generate.0.count=700", "generate.1.count=700", "generate.1.name=\"more\""};
-    scene = scene_from(HEAD "[[body]]\nname = \"large\"\nmaterial = \"glass\"\nshape = { sphere = 0.02 }\n"
-                            "position = [0.025, 0.025, 0.025]\n" RANDOM RANDOM,
-                       fewer, 3, 1);
+    scree_scene *scene = scene_from(HEAD "[[body]]\nname = \"large\"\nmaterial = \"glass\"\nshape = { sphere = 0.02 }\n"
+                                         "position = [0.025, 0.025, 0.025]\n" RANDOM RANDOM,
+                                    fewer, 3, 1);
     CHECK(scree_scene_bodies(scene) == 1401 && least_gap(scene, 0.0, 0.05) >= -1e-12);
     scree_scene_destroy(scene);
+}
 
+/* The same places in every run, on every machine; others by another seed. */
+static void test_random_again(void) {
     CHECK(hash_of(HEAD RANDOM) == hash_of(HEAD RANDOM));
     static const char *const other[] = {"generate.0.seed=4"};
-    scene = scene_from(HEAD RANDOM, other, 1, 1);
+    scree_scene *scene = scene_from(HEAD RANDOM, other, 1, 1);
     CHECK(scree_scene_hash(scene) != hash_of(HEAD RANDOM));
     scree_scene_destroy(scene);
-    /* The same places on every machine. */
     scene = scene_from(HEAD RANDOM, NULL, 0, 1);
     uint64_t hash = scree_hash_start;
     for (int k = 0; k < 2000; k++) {
@@ -813,7 +825,12 @@ int main(void) {
     snprintf(table_path, sizeof table_path, "/tmp/scree_spheres_%ld.csv", (long)getpid());
     snprintf(scene_path, sizeof scene_path, "/tmp/scree_spheres_%ld.toml", (long)getpid());
     test_lattice();
-    test_random();
+    test_random_radii();
+    test_random_by_mass();
+    test_random_beside_dust();
+    test_random_across_borders();
+    test_random_groups();
+    test_random_again();
     test_shaken_speed();
     test_wide_ratio();
     test_table();
