@@ -918,28 +918,20 @@ static void test_softest(void) {
     scree_free_request(&request);
 }
 
-static void test_definitions(void) {
-    scree_scene *scene = scree_scene_create();
-    int a, b, motion;
-    CHECK(scree_scene_step(scene, 1) == SCREE_BAD_INPUT);
-    CHECK(scree_scene_bake(scene) == SCREE_BAD_INPUT);
-    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "a", .density = 1000.0}, &a) == SCREE_OK);
+static void check_bad_materials(scree_scene *scene) {
     CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "a"}, NULL) == SCREE_BAD_INPUT);
     CONTAINS(scree_scene_trouble(scene)->text, "two of the material");
     CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = ""}, NULL) == SCREE_BAD_INPUT);
     CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "x", .density = -1.0}, NULL) ==
           SCREE_BAD_INPUT);
-    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "b"}, &b) == SCREE_OK);
-    CHECK(scree_scene_add_motion(scene, &(scree_motion_def){.name = "turn", .velocity = 1.0}, &motion) == SCREE_OK);
-    CHECK(scree_scene_add_contact(scene, &(scree_contact_def){.between = {0, 7}}) == SCREE_BAD_INPUT);
-    scree_contact_def contact = {.between = {a, b}, .normal = {"linear", 2, {{"stiffness", 1e4}, {"damping", 0.0}}}};
-    CHECK(scree_scene_add_contact(scene, &contact) == SCREE_OK);
-    CHECK(scree_scene_add_contact(scene, &contact) == SCREE_BAD_INPUT);
+}
 
-    scree_body_def ball = {
-        .name = "ball", .shape = {.kind = SCREE_SPHERE, .radius = 0.1}, .material = a, .position = {0, 0, 0.2}};
-    scree_contact_def unnamed = contact, crowded = contact, doubled = contact, empty = contact;
-    unnamed.between[0] = crowded.between[0] = doubled.between[0] = empty.between[0] = b;
+/* `good` has been added; the others are between material b and itself. */
+static void check_bad_contacts(scree_scene *scene, scree_contact_def good, int b) {
+    CHECK(scree_scene_add_contact(scene, &(scree_contact_def){.between = {0, 7}}) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_add_contact(scene, &good) == SCREE_BAD_INPUT);
+    good.between[0] = b;
+    scree_contact_def unnamed = good, crowded = good, doubled = good, empty = good;
     unnamed.normal.setting[1].name = NULL;
     crowded.normal.settings = SCREE_SETTINGS_MAX + 1;
     doubled.normal.setting[1] = doubled.normal.setting[0];
@@ -951,16 +943,16 @@ static void test_definitions(void) {
     CONTAINS(scree_scene_trouble(scene)->text, "given twice");
     CHECK(scree_scene_add_contact(scene, &empty) == SCREE_BAD_INPUT);
     CONTAINS(scree_scene_trouble(scene)->text, "needs overlaps, speeds and forces");
-    CHECK(scree_scene_set_time(scene, &(scree_time_def){.integrator = (scree_integrator)7}) == SCREE_BAD_INPUT);
+}
+
+/* A ball with one fault each; `heavy`: a material without a density. */
+static void check_bad_bodies(scree_scene *scene, scree_body_def ball, int heavy, int motion) {
     scree_body_def bad[15];
     for (int k = 0; k < 15; k++) bad[k] = ball;
-    bad[12].joint.along[1] = (scree_freedom)9;
-    bad[13].joint.axis[0] = 1e-200; /* no direction left */
-    bad[14].shape.radius = 1e-110;  /* its mass vanishes */
     bad[0].material = 5;
     bad[1].position[1] = NAN;
     bad[2].mass = -1.0;
-    bad[3].material = b; /* no density and no mass */
+    bad[3].material = heavy; /* no density and no mass */
     bad[4].shape.radius = 0.0;
     bad[5].orientation[0] = INFINITY;
     bad[6].joint.along[0] = SCREE_DRIVEN;
@@ -977,10 +969,32 @@ static void test_definitions(void) {
     bad[11].joint.turn = SCREE_DRIVEN;
     bad[11].joint.turn_motion = motion;
     bad[11].joint.axis[0] = 1.0; /* not its normal */
+    bad[12].joint.along[1] = (scree_freedom)9;
+    bad[13].joint.axis[0] = 1e-200; /* no direction left */
+    bad[14].shape.radius = 1e-110;  /* its mass vanishes */
     for (int k = 0; k < 15; k++) {
         CHECK(scree_scene_add_body(scene, &bad[k], NULL) == SCREE_BAD_INPUT);
         CHECK(scree_scene_trouble(scene)->text[0] != '\0' && scree_scene_trouble(scene)->field[0] != '\0');
     }
+}
+
+static void test_definitions(void) {
+    scree_scene *scene = scree_scene_create();
+    int a, b, motion;
+    CHECK(scree_scene_step(scene, 1) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_bake(scene) == SCREE_BAD_INPUT);
+    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "a", .density = 1000.0}, &a) == SCREE_OK);
+    check_bad_materials(scene);
+    CHECK(scree_scene_add_material(scene, &(scree_material_def){.name = "b"}, &b) == SCREE_OK);
+    CHECK(scree_scene_add_motion(scene, &(scree_motion_def){.name = "turn", .velocity = 1.0}, &motion) == SCREE_OK);
+    scree_contact_def contact = {.between = {a, b}, .normal = {"linear", 2, {{"stiffness", 1e4}, {"damping", 0.0}}}};
+    CHECK(scree_scene_add_contact(scene, &contact) == SCREE_OK);
+    check_bad_contacts(scene, contact, b);
+    CHECK(scree_scene_set_time(scene, &(scree_time_def){.integrator = (scree_integrator)7}) == SCREE_BAD_INPUT);
+
+    scree_body_def ball = {
+        .name = "ball", .shape = {.kind = SCREE_SPHERE, .radius = 0.1}, .material = a, .position = {0, 0, 0.2}};
+    check_bad_bodies(scene, ball, b, motion);
     CHECK(scree_scene_add_body(scene, &ball, NULL) == SCREE_OK);
     CHECK(scree_scene_add_body(scene, &ball, NULL) == SCREE_BAD_INPUT);
     ball.name = "second";
