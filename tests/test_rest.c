@@ -28,6 +28,15 @@ static int sleeps(const scree_scene *scene, const char *name) {
     return scene->bodies.class[scene->bodies.place[scree_scene_find_body(scene, name)]] == SCREE_CLASS_ASLEEP;
 }
 
+/* Back to where it is. */
+static void restore_itself(scree_scene *scene) {
+    FILE *file = tmpfile();
+    CHECK(scree_scene_save(scene, file, "file") == SCREE_OK);
+    rewind(file);
+    CHECK(scree_scene_restore(scene, file, "file") == SCREE_OK);
+    fclose(file);
+}
+
 /* Two stacks come to rest and sleep; a ram pushes one of them along the floor. It wakes, and goes where it goes without
  * sleep; the other one sleeps on. Where friction lets go is told by its springs, which what went unnoticed shifts by a
  * part of their whole stretch: that under both boxes is mu m g/k = 4e-5 m. */
@@ -37,6 +46,8 @@ static void test_push(void) {
     CHECK(lean->time.integrator == SCREE_VERLET);
     go(lean, 9900);
     go(full, 9900);
+    CHECK(scree_scene_asleep(lean) == 5);
+    restore_itself(lean);
     CHECK(scree_scene_asleep(lean) == 5);
     int woke = 0;
     for (int k = 0; k < 100; k++) {
@@ -56,6 +67,28 @@ static void test_push(void) {
     CHECK(sleeps(lean, "a1") && sleeps(lean, "a2")); /* the ball on them rolls on */
     scree_scene_destroy(lean);
     scree_scene_destroy(full);
+}
+
+/* Boxes that wake beside balls that lie sorted: these hurry on to the middle of the next step, boxes don't. Single
+ * steps, in which nobody does, make the same bits. */
+static void test_waking_beside_sorted(void) {
+    char text[4096];
+    snprintf(text, sizeof text,
+             "%s[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.012\ncount = 20\n"
+             "min = [0.1, 0, 0]\nmax = [0.2, 0.1, 0.05]\nmaterial = \"m\"\n",
+             stacks);
+    const char *sleep = "time.sleep=1e-5";
+    scree_scene *hurried = scene_from(text, &sleep, 1, 1), *stepped = scene_from(text, &sleep, 1, 1);
+    CHECK(hurried->bodies.order.slabs > 0);
+    go(hurried, 9900);
+    go(stepped, 9900);
+    CHECK(sleeps(hurried, "a1") && sleeps(hurried, "a2"));
+    go(hurried, 2000);
+    for (int k = 0; k < 2000; k++) go(stepped, 1);
+    CHECK(!sleeps(hurried, "a1") && !sleeps(hurried, "a2"));
+    CHECK(scree_scene_hash(hurried) == scree_scene_hash(stepped));
+    scree_scene_destroy(hurried);
+    scree_scene_destroy(stepped);
 }
 
 /* A floor that rises more slowly than what counts as rest takes a sleeping ball along: it wakes whenever it is pressed
@@ -79,6 +112,25 @@ static void test_carried(void) {
         slept += scree_scene_asleep(scene);
     }
     CHECK(slept > 10.0);
+    scree_scene_destroy(scene);
+}
+
+/* A ball that sinks into a contact of thirty times the critical damping, so slowly at last that it falls asleep, half
+ * borne by the dashpot. Asleep it doesn't sink, and wakes: until the spring bears all but what may go unnoticed. */
+static void test_sinking(void) {
+    static const char text[] =
+        "gravity = [0, 0, -9.81]\n[time]\nend = 100.0\nstep = 2e-5\nsleep = 1e-5\n"
+        "[[material]]\nname = \"m\"\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e3, damping = 120.0 }\n"
+        "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nmass = 0.004\nposition = [0, 0, "
+        "0.01]\n";
+    scree_scene *scene = scene_from(text, NULL, 0, 1);
+    double seen = 4.0 * scene->contacts.rest.pull;
+    CHECK(120.0 * 0.5e-5 / 0.004 > 4.0 * seen); /* what the dashpot bears at half of the speed of sleepers */
+    go(scene, 100000);
+    CHECK(sleeps(scene, "ball"));
+    NEAR(state_of(scene, "ball").position[2], 0.01 - 0.004 * 9.81 / 1e3, seen * 0.004 / 1e3);
     scree_scene_destroy(scene);
 }
 
@@ -117,10 +169,32 @@ static void test_drifting(void) {
     scree_scene_destroy(scene);
 }
 
+/* Only free bodies sleep, at rest as they may be. */
+static void test_held(void) {
+    scree_scene *scene = scene_from(
+        "gravity = [0, 0, -9.81]\n[time]\nend = 100.0\nstep = 5e-5\nsleep = 1e-5\n"
+        "[[material]]\nname = \"m\"\ndensity = 1000\n"
+        "[[contact]]\nbetween = [\"m\", \"m\"]\nnormal = { law = \"linear\", stiffness = 1e3, restitution = 0.2 }\n"
+        "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"m\"\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"ball\"\nshape = { sphere = 0.01 }\nmaterial = \"m\"\nposition = [0, 0, 0.01]\n"
+        "joint = { x = \"fixed\" }\n"
+        "[[body]]\nname = \"box\"\nshape = { box = [0.02, 0.02, 0.02], rounding = 0.002 }\nmaterial = \"m\"\n"
+        "position = [0.1, 0, 0.01]\njoint = { turn = \"fixed\" }\n"
+        "[[body]]\nname = \"free\"\nshape = { box = [0.02, 0.02, 0.02], rounding = 0.002 }\nmaterial = \"m\"\n"
+        "position = [0.2, 0, 0.01]\n",
+        NULL, 0, 1);
+    go(scene, 10000);
+    CHECK(sleeps(scene, "free") && !sleeps(scene, "ball") && !sleeps(scene, "box"));
+    scree_scene_destroy(scene);
+}
+
 int main(void) {
     test_push();
     test_drifting();
+    test_held();
+    test_waking_beside_sorted();
     test_carried();
+    test_sinking();
     test_refused();
     return check_report();
 }

@@ -744,6 +744,24 @@ static void test_periodic_drive(void) {
     scree_scene_destroy(scene);
 }
 
+/* A state belongs to where its domain begins, too: there bodies return. */
+static void test_another_domain(void) {
+    static const char text[] =
+        "[time]\nend = 1.0\nstep = 1e-3\nintegrator = \"verlet\"\n[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n"
+        "periodic = [\"x\"]\n[[material]]\nname = \"m\"\ndensity = 1000\n[[body]]\nname = \"ball\"\n"
+        "shape = { sphere = 0.1 }\nmaterial = \"m\"\nposition = [0.5, 0.5, 0.5]\nvelocity = [1, 0, 0]\n";
+    static const char *const moved[] = {"domain.min=[-0.1, 0, 0]", "domain.max=[0.9, 1, 1]"};
+    scree_scene *scene = scene_from(text, NULL, 0, 1), *other = scene_from(text, moved, 2, 1);
+    FILE *file = tmpfile();
+    CHECK(scree_scene_save(scene, file, "file") == SCREE_OK);
+    rewind(file);
+    CHECK(scree_scene_restore(other, file, "file") == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(other)->text, "what differs: periodic domain");
+    fclose(file);
+    scree_scene_destroy(scene);
+    scree_scene_destroy(other);
+}
+
 static void test_bad_domains(void) {
 #define BALL "[[body]]\nname = \"ball\"\nmaterial = \"glass\"\nshape = { sphere = 0.1 }\n"
     static const struct {
@@ -846,6 +864,7 @@ int main(void) {
     test_periodic_slabs();
     test_periodic_many();
     test_periodic_drive();
+    test_another_domain();
     test_bad_domains();
     test_tiny_in_huge();
     check_beside_box("time.integrator=\"verlet\"");
