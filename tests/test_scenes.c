@@ -719,6 +719,39 @@ static void test_periodic_many(void) {
     }
 }
 
+/* Two that fly at each other across the border, twice as fast as all others, and so far apart that they meet only by
+ * what flights lead beyond the skin: they are listed when they do. */
+static void test_periodic_flights(void) {
+    static const char text[] =
+        "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 5e-6\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\n"
+        "periodic = [\"x\"]\n[[material]]\nname = \"m\"\ndensity = 2000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear\", stiffness = 2e3, restitution = 0.9 }\n"
+        "[[body]]\nname = \"a\"\nshape = { sphere = 0.002 }\nmaterial = \"m\"\nposition = [0.00325, 0.05, 0.05]\n"
+        "[[body]]\nname = \"b\"\nshape = { sphere = 0.002 }\nmaterial = \"m\"\nposition = [0.09675, 0.05, 0.05]\n"
+        "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"m\"\nradius = 0.002\nspacing = 0.01\n"
+        "count = 200\nmin = [0.02, 0, 0]\nmax = [0.08, 0.1, 0.1]\n";
+    scree_scene *scene = scene_from(text, NULL, 0, 1);
+    struct scree_bodies *bodies = &scene->bodies;
+    for (int k = 0; k < bodies->count; k++) {
+        int number = bodies->number[k];
+        double *v = bodies->state[k].v;
+        v[0] = number == 0 ? -2.0 : number == 1 ? 2.0 : 0.0;
+        v[2] = number < 2 ? 0.0 : number % 2 ? 1.0 : -1.0;
+        memcpy(bodies->record[k].v, v, sizeof bodies->record[k].v);
+    }
+    CHECK(scree_contacts_list(&scene->contacts, bodies, 1, NULL) == SCREE_OK && bodies->flight);
+    double gap = 0.0025, flown = 4.0 * scene->contacts.flights.last; /* that of a and b; together */
+    CHECK(scene->contacts.skin < gap && gap < flown);
+    long lists = scene->contacts.rebuilds;
+    int count = 0;
+    while (count == 0 && scree_scene_time(scene) < 1.02 * gap / 4.0) {
+        go(scene, 1);
+        CHECK(scree_scene_contacts(scene, NULL, 0, &count) == SCREE_OK);
+    }
+    CHECK(count == 1 && scene->contacts.rebuilds == lists);
+    scree_scene_destroy(scene);
+}
+
 /* A prescribed sphere goes on for ever and isn't put back; once a period it passes a heavy one that stays where it
  * is. */
 static void test_periodic_drive(void) {
@@ -744,8 +777,8 @@ static void test_periodic_drive(void) {
     scree_scene_destroy(scene);
 }
 
-/* A state belongs to where its domain begins, too: there bodies return. */
-static void test_another_domain(void) {
+/* A state belongs to where its domain begins, too, for there bodies return; and holds what those have carried off. */
+static void test_states_of_domains(void) {
     static const char text[] =
         "[time]\nend = 1.0\nstep = 1e-3\nintegrator = \"verlet\"\n[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n"
         "periodic = [\"x\"]\n[[material]]\nname = \"m\"\ndensity = 1000\n[[body]]\nname = \"ball\"\n"
@@ -757,6 +790,14 @@ static void test_another_domain(void) {
     rewind(file);
     CHECK(scree_scene_restore(other, file, "file") == SCREE_BAD_INPUT);
     CONTAINS(scree_scene_trouble(other)->text, "what differs: periodic domain");
+    scree_scene_destroy(other);
+    other = scene_from(text, NULL, 0, 1);
+    go(scene, 1100);
+    rewind(file);
+    CHECK(scree_scene_save(scene, file, "file") == SCREE_OK);
+    rewind(file);
+    CHECK(scree_scene_restore(other, file, "file") == SCREE_OK);
+    CHECK(scene->carried[0] > 0.0 && other->carried[0] == scene->carried[0]);
     fclose(file);
     scree_scene_destroy(scene);
     scree_scene_destroy(other);
@@ -863,8 +904,9 @@ int main(void) {
     test_periodic_bits();
     test_periodic_slabs();
     test_periodic_many();
+    test_periodic_flights();
     test_periodic_drive();
-    test_another_domain();
+    test_states_of_domains();
     test_bad_domains();
     test_tiny_in_huge();
     check_beside_box("time.integrator=\"verlet\"");
