@@ -327,41 +327,63 @@ static double mark_of(const struct scree_bodies *bodies, const struct scree_ends
 
 /* What holds beyond the touch stays in the near lists of slabs, though most bodies have come to rest and what is left
  * to them is less than its gap; so does what it keeps, among the contacts of those that still move. */
+/* What was seen of a batch's contacts: kept ones that are near no more and ones that are near, and such without. */
+struct held {
+    int kept, far, near, idle;
+};
+
+/* Of the slabs. */
+static struct held look_at_held(const scree_scene *scene, const struct scree_batch *batch) {
+    const struct scree_bodies *bodies = &scene->bodies;
+    const double *kept = batch->kept[SCREE_KEPT_NORMAL + 1];
+    struct held held = {0, 0, 0, 0};
+    for (int s = 1; s <= bodies->order.slabs; s++)
+        for (int n = 0, k = batch->segment[s].first; n < batch->segment[s].count; n++, k++) {
+            struct scree_contact contact = scree_contact_at(batch, k), before = scree_contact_at(batch, k - (n > 0));
+            int is_near = scree_contact_is_near(&scene->contacts, bodies, batch, &contact);
+            CHECK(n == 0 || scree_compare_contacts(&before, &contact, s) < 0);
+            CHECK(kept[k] == mark_of(bodies, &batch->ends[k]) && (is_near || kept[k] > 0.0));
+            held.kept += kept[k] > 0.0;
+            held.far += !is_near;
+            held.near += is_near;
+            held.idle += kept[k] == 0.0;
+        }
+    CHECK(batch->segment[0].count == 0 && held.far + held.near == batch->count);
+    return held;
+}
+
+static int mark_contacts(const struct scree_bodies *bodies, const struct scree_batch *batch) {
+    double *kept = batch->kept[SCREE_KEPT_NORMAL + 1];
+    int marked = 0;
+    for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k))
+        marked += (kept[k] = mark_of(bodies, &batch->ends[k])) > 0.0;
+    return marked;
+}
+
 static void test_held_beyond_margins(void) {
     scree_scene *scene = scene_from(
         "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
         "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
         "normal = { law = \"jkr\", modulus = 3e7, adhesion = 20.0 }\n"
+        "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"ball\"\njoint = \"fixed\"\n"
         "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.0102\njitter = 4e-5\n"
         "min = [0, 0, 0]\nmax = [0.172, 0.093, 0.093]\nmaterial = \"ball\"\nseed = 3\n",
         NULL, 0, 1);
     struct scree_bodies *bodies = &scene->bodies;
     struct scree_contacts *contacts = &scene->contacts;
-    const struct scree_batch *batch = contacts->batch;
+    const struct scree_batch *balls = scree_batch_for(contacts, contacts->rule, SCREE_BALL_BALL);
+    const struct scree_batch *floor = scree_batch_for(contacts, contacts->rule, SCREE_BALL_PLANE);
     uint64_t seed = 5;
     for (int k = bodies->order.members; k < bodies->count; k++) check_draw(&seed, -0.5, 0.5, 3, bodies->record[k].v);
     CHECK(scree_contacts_renew(contacts, bodies, 1, NULL) == SCREE_OK);
-    double *kept = batch->kept[SCREE_KEPT_NORMAL + 1];
-    int marked = 0, held = 0, far = 0, near = 0, idle = 0;
-    for (int k = scree_first(batch); k >= 0; k = scree_next(batch, k))
-        marked += (kept[k] = mark_of(bodies, &batch->ends[k])) > 0.0;
+    int marked[2] = {mark_contacts(bodies, balls), mark_contacts(bodies, floor)};
     for (int k = bodies->order.members; k < bodies->count; k++)
         if (k % 4) memset(bodies->record[k].v, 0, 3 * sizeof(double));
     CHECK(scree_contacts_renew(contacts, bodies, 1, NULL) == SCREE_OK);
-    kept = batch->kept[SCREE_KEPT_NORMAL + 1];
-    for (int s = 1; s <= bodies->order.slabs; s++)
-        for (int n = 0, k = batch->segment[s].first; n < batch->segment[s].count; n++, k++) {
-            struct scree_contact contact = scree_contact_at(batch, k), before = scree_contact_at(batch, k - (n > 0));
-            int is_near = scree_contact_is_near(contacts, bodies, batch, &contact);
-            CHECK(n == 0 || scree_compare_contacts(&before, &contact, s) < 0);
-            CHECK(kept[k] == mark_of(bodies, &batch->ends[k]) && (is_near || kept[k] > 0.0));
-            held += kept[k] > 0.0;
-            far += !is_near;
-            near += is_near;
-            idle += kept[k] == 0.0;
-        }
-    CHECK(bodies->order.slabs > 2 && batch->geometry == SCREE_BALL_BALL && batch->segment[0].count == 0);
-    CHECK(held == marked && far > 300 && near > 300 && idle > 100 && far + near == batch->count);
+    struct held of_balls = look_at_held(scene, balls), on_floor = look_at_held(scene, floor);
+    CHECK(bodies->order.slabs > 2);
+    CHECK(of_balls.kept == marked[0] && of_balls.far > 300 && of_balls.near > 300 && of_balls.idle > 100);
+    CHECK(on_floor.kept == marked[1] && on_floor.far > 10 && on_floor.near > 10);
     scree_scene_destroy(scene);
 }
 
