@@ -1,4 +1,5 @@
 /* Scenes of many balls: their order in memory, near lists and slabs change nothing but the time. */
+#include "bodies/memory.h"
 #include "tests/scenes.h"
 
 #include <limits.h>
@@ -652,6 +653,43 @@ static void check_refused_restore(const char *text) {
     scree_scene_destroy(scene);
 }
 
+/* A ball that touches an image and has to return into the box: while its new list is refused memory, it and its contact
+ * stay what they are. */
+static void test_refused_return(void) {
+    scree_scene *scene = scene_from(
+        "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-5\n[domain]\nmin = [0, -1, -1]\nmax = [0.1, 1, 1]\n"
+        "periodic = [\"x\"]\n[[material]]\nname = \"m\"\ndensity = 1000\n[[contact]]\nbetween = [\"m\", \"m\"]\n"
+        "normal = { law = \"linear\", stiffness = 1e4, restitution = 0.5 }\n"
+        "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.4, stiffness = 1e4 }\n"
+        "[[body]]\nname = \"fixed\"\nshape = { sphere = 0.02 }\nmaterial = \"m\"\njoint = \"fixed\"\nposition = "
+        "[0.002, 0, "
+        "0]\n[[body]]\nname = \"ball\"\nshape = { sphere = 0.005 }\nmaterial = \"m\"\nposition = [0.015, 0, 0.0213]\n",
+        NULL, 0, 1);
+    struct scree_contacts *contacts = &scene->contacts;
+    struct scree_bodies *bodies = &scene->bodies;
+    const struct scree_batch *image = scree_batch_for(contacts, contacts->rule, SCREE_BALL_IMAGE);
+    bodies->position[1][0] = bodies->record[1].x[0] = 0.115;
+    CHECK(scree_contacts_list(contacts, bodies, 1, NULL) == SCREE_OK && image->count == 1);
+    struct scree_contact before = scree_contact_at(image, scree_first(image));
+    scree_keep(image, 0, scree_first(image), 0.25);
+    struct scree_space listed = contacts->listed; /* that a list asks for */
+    contacts->listed = (struct scree_space){NULL, 0};
+    for (int part = 0; part < SCREE_PARTS; part++) contacts->found[part].capacity = 0;
+    int refusals = 0;
+    for (refused = 1; scree_contacts_return(contacts, bodies, 1, &scene->trouble) != SCREE_OK;
+         refused = ++refusals + 1) {
+        struct scree_contact after = scree_contact_at(image, scree_first(image));
+        CHECK(image->count == 1 && memcmp(&after, &before, sizeof after) == 0);
+        CHECK(scree_kept(image, 0, scree_first(image)) == 0.25 && bodies->position[1][0] == 0.115);
+    }
+    refused = 0;
+    const struct scree_batch *own = scree_batch_for(contacts, contacts->rule, SCREE_BALL_BALL);
+    CHECK(refusals > 1 && image->count == 0 && own->count == 1);
+    CHECK(scree_kept(own, 0, scree_first(own)) == 0.25);
+    scree_memory_free(listed.memory);
+    scree_scene_destroy(scene);
+}
+
 /* Nor does it cost definitions: of motions there are as many names as places. */
 static void test_refused_motions(void) {
     scree_scene *scene = scree_scene_create();
@@ -704,6 +742,7 @@ static void test_refusals(const char *const *pair_impulse) {
     check_refused_restore(gas);
     check_refused_restore(grains);
     test_refused_motions();
+    test_refused_return();
     free(gas);
 }
 
