@@ -496,6 +496,7 @@ static void test_descriptions(void) {
         NEEDS(law, stiffness);
         NEEDS(law, damping);
         CHECK((law->hold != NULL) + (law->rate != NULL) == law->memory);
+        CHECK((law->bears != NULL) == (law->rate != NULL));
         CHECK(law->hold || (!law->in_force && !law->grip && !law->band));
         CHECK(law->in_force ? !law->grip : !law->rescaled);
         CHECK(scree_find_friction_law(law->text.name) == l && scree_find_normal_law(law->text.name) == -1);
