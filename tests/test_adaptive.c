@@ -1051,6 +1051,14 @@ static const char karnopp[] =
     "normal = { law = \"matched\", stiffness = 5e6, exponent = 1.5, restitution = 0.602 }\n"
     "friction = { law = \"karnopp\", static = 0.4, kinetic = 0.3, band = 0.05, stiffness = 4e4, damping = 10 }\n";
 
+static scree_body_state ball_after(const char *text, const char *const *changes, int count, long steps) {
+    scree_scene *scene = scene_from(text, changes, count, 1);
+    go(scene, steps);
+    scree_body_state ball = state_of(scene, "ball");
+    scree_scene_destroy(scene);
+    return ball;
+}
+
 static scree_body_state after_karnopp(double speed, double damping, const char *how, long steps) {
     char velocity[64], dashpot[64];
     snprintf(velocity, sizeof velocity, "body.ball.velocity=[%.17g,0,-0.5]", speed);
@@ -1059,11 +1067,7 @@ static scree_body_state after_karnopp(double speed, double damping, const char *
     snprintf(step, sizeof step, "time.step=%.17g", 0.002 / (double)steps);
     const char *changes[] = {velocity, dashpot, step, how,
                              steps > 1 ? "time.integrator=\"pair-impulse\"" : "time.integrator=\"adaptive\""};
-    scree_scene *scene = scene_from(karnopp, changes, 5, 1);
-    go(scene, steps);
-    scree_body_state ball = state_of(scene, "ball");
-    scree_scene_destroy(scene);
-    return ball;
+    return ball_after(karnopp, changes, 5, steps);
 }
 
 static double off(scree_body_state a, scree_body_state b) {
@@ -1104,11 +1108,7 @@ static scree_body_state after_brushing(const char *normal, const char *friction,
     snprintf(press, sizeof press, "contact.0.normal={%s}", normal);
     snprintf(rub, sizeof rub, "contact.0.friction={%s}", friction);
     const char *changes[] = {position, step, by, press, rub, how};
-    scree_scene *scene = scene_from(brushed, changes, 6, 1);
-    go(scene, steps);
-    scree_body_state ball = state_of(scene, "ball");
-    scree_scene_destroy(scene);
-    return ball;
+    return ball_after(brushed, changes, 6, steps);
 }
 
 /* Largest difference of velocities and of spins times radius, over the speed of impact. */
