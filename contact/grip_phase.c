@@ -57,6 +57,11 @@ static double left_of_band(const struct scree_grip *grip, const struct scree_gri
     return grip->friction->band(&grip->rule->friction_constants) - vec_norm(view->slip);
 }
 
+/* By how much the square of the slip grows, m^2/s^2. */
+static double slip_gain(const struct scree_grip_view *sooner, const struct scree_grip_view *later) {
+    return vec_norm2(later->slip) - vec_norm2(sooner->slip);
+}
+
 static void note_band(struct scree_grip *grip, const struct scree_grip_view *view) {
     grip->inside = has_band(grip) && left_of_band(grip, view) > 0.0;
 }
@@ -209,7 +214,7 @@ void scree_grip_keep(const struct scree_grip *grip, const struct scree_grip_view
 
 int scree_grip_needs_rates(const struct scree_grip *grip) {
     if (grip->state != SCREE_GRIP_HELD) return 0;
-    int any = remembers_peak(grip);
+    int any = remembers_peak(grip) || (has_band(grip) && !grip->inside);
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) any |= grip->slips[way];
     return any;
 }
@@ -265,6 +270,9 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
                                         grip->depth / (grip->speed * (grip->first + SCREE_NO_SPEED));
     }
     if (grip->pulling) return;
+    if (has_band(grip) && !grip->inside && sooner && later)
+        values[SCREE_SWITCH_NEAREST] = (grip->recedes ? 1.0 : -1.0) * slip_gain(sooner, later) / apart * grip->depth /
+                                       (grip->speed * grip->speed * grip->speed);
     if (has_band(grip))
         values[SCREE_SWITCH_BAND] = (grip->inside ? 1.0 : -1.0) * left_of_band(grip, view) / grip->speed;
     for (int way = 0; way < SCREE_GRIP_WAYS; way++)
@@ -286,6 +294,7 @@ static void switch_band(struct scree_grip *grip, const struct scree_grip_view *v
     struct scree_sliding at = {.normal = fmax(view->force, 0.0), .overlap = view->overlap, .velocity = view->slip};
     double bears = vec_norm(vec_axpy(view->elastic[way], view->damping_of[way], view->velocity[way]));
     grip->inside = !grip->inside;
+    grip->recedes = 1; /* out of it it goes only so */
     double holds = scree_hold_on(grip->friction, &grip->rule->friction_constants, at, grip->inside).holds;
     if (grip->slips[way] ? bears < holds : bears > holds) switch_slide(grip, way, view, memory);
 }
@@ -318,6 +327,9 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
     case SCREE_SWITCH_BAND:
         switch_band(grip, view, memory);
         break;
+    case SCREE_SWITCH_NEAREST:
+        grip->recedes = !grip->recedes;
+        break;
     case SCREE_SWITCH_PEAK:
         if (grip->advancing) grip->first = fmax(grip->first, scree_grip_peak(grip, view));
         grip->advancing = !grip->advancing;
@@ -330,6 +342,7 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
 
 void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *sooner,
                               const struct scree_grip_view *later) {
+    grip->recedes = slip_gain(sooner, later) > 0.0;
     if (grip->state != SCREE_GRIP_HELD || !remembers_peak(grip)) return;
     double next = scree_grip_peak(grip, later);
     grip->advancing = next > scree_grip_peak(grip, sooner) && next >= grip->first * (1.0 - 1e-12);

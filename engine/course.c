@@ -232,7 +232,7 @@ static double doubtful(const struct scree_adaptive *a, double h) {
 struct course {
     double end, segment; /* of the step of the scene; of the time up to the next break, s since the start */
     int fresh;           /* rates and switch functions at y must be reckoned anew */
-    int looked;          /* a doubtful step was cut already */
+    int looks;           /* how often a doubtful step was cut already */
 };
 
 /* The length to try, in the variable of the step. */
@@ -286,7 +286,7 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
     a->y = a->arrived;
     a->arrived = y;
     scene->effort.steps++;
-    c->looked = 0;
+    c->looks = 0;
     if (landed || (event && a->clock >= 0)) drop_clock(scene, c);
     if (!c->fresh) {
         memcpy(a->work.k[0], a->next, a->work.size * sizeof *a->next);
@@ -302,6 +302,9 @@ static scree_status take(struct scree_scene *scene, struct course *c, double h, 
     scree_status status = scree_check_depth(scene, a->start + a->y[Y_TIME]);
     return status ? status : stop_at_edges(scene);
 }
+
+/* A step that is cut where it is in doubt is known better: so often it is looked at again. */
+enum { MOST_LOOKS = 4 };
 
 /* One step that keeps the tolerance, shortened until it does. */
 static scree_status make_step(struct scree_scene *scene, struct course *c) {
@@ -330,13 +333,13 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
             a->every = 1;
             scree_adaptive_rates(scene, a->arrived, a->next);
             a->every = 0;
-            double sooner = c->looked ? 0.0 : doubtful(a, h);
+            double sooner = c->looks ? 0.0 : doubtful(a, h);
             if (!(sooner > 0.0)) {
                 scree_adaptive_switches(scene, a->arrived, a->next, a->value);
-                sooner = c->looked ? 0.0 : scree_adaptive_doubt(scene, h);
+                sooner = c->looks < MOST_LOOKS ? scree_adaptive_doubt(scene, h) : 0.0;
             }
             if (sooner > 0.0) {
-                c->looked = 1;
+                c->looks++;
                 h = sooner;
                 scene->effort.rejected++;
                 continue;

@@ -187,12 +187,14 @@ static int grips(const struct scree_grip *grip, int way) {
 }
 
 /* Where the parabola through values at the begin, the middle and the end is least, as a share of the step, if that is
- * well inside and less than a fifth of either end; 1: it isn't. What is next to nothing at an end isn't looked into. */
-static double dips_at(double begin, double middle, double end) {
+ * inside, and below zero (by more than `small`) or less than a fifth of either end; 1: it isn't. What is next to
+ * nothing at an end isn't looked into, unless it is below zero in between. A step that is cut there makes the parabola
+ * of the next one a better one. */
+static double dips_at(double begin, double middle, double end, double small) {
     double slope = 4.0 * middle - 3.0 * begin - end, bend = 2.0 * (begin + end - 2.0 * middle);
-    double at = bend > 0.0 ? -0.5 * slope / bend : 0.0;
-    if (!(at > 0.05 && at < 0.95) || fmin(begin, end) < 1e-6) return 1.0;
-    return begin + 0.5 * slope * at < 0.2 * fmin(begin, end) ? at : 1.0;
+    double at = bend > 0.0 ? -0.5 * slope / bend : 0.0, least = begin + 0.5 * slope * at, ends = fmin(begin, end);
+    if (!(at > 0.0 && at < 1.0)) return 1.0;
+    return least < -small || (ends >= 1e-6 && least < 0.2 * ends) ? at : 1.0;
 }
 
 double scree_adaptive_doubt(struct scree_scene *scene, double h) {
@@ -209,13 +211,12 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     scree_adaptive_rates(scene, middle, rates);
     struct apart apart = look_around(scene, middle, rates);
     for (int k = 0; k < a->grips; k++) {
-        double value[SCREE_SWITCHES];
+        double value[SCREE_SWITCHES], small = nothing(scene, &a->grip[k], SCREE_SWITCH_SLIDE);
         if (a->grip[k].state != SCREE_GRIP_HELD) continue; /* the halfway view has only those */
         switches_of(a, k, apart, value);
         for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++)
-            if (grips(&a->grip[k], way)) soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w]));
-        const int band = SCREE_SWITCH_BAND; /* 1 all along where there is none */
-        soonest = fmin(soonest, dips_at(a->before[k][band], value[band], a->value[k][band]));
+            if (grips(&a->grip[k], way))
+                soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w], small));
     }
     a->view = end;
     scree_adaptive_place(scene, a->arrived);
