@@ -22,7 +22,8 @@ struct pair {
     struct vec softness[3];          /* W, 1/kg */
     double time, length, push, load; /* scales of time, overlap, impulse, force */
     double tolerance, stretch;       /* the longest stretch so far */
-    int slider, bristles;            /* what friction remembers: a slider's stretch, or a bristle's */
+    int projects; /* friction cuts its memory down to what its slider holds: it is behind a bare spring */
+    int bristles; /* friction remembers what those are bent by */
 };
 
 /* What the laws keep, and the phase of the contact: constant within a step. */
@@ -105,10 +106,23 @@ static struct vec slipping_rate(const struct pair *p, const struct instant *now)
     return vec_axpy(vec_scale(faster, vec_axpy(rate, -along, stretch)), along, stretch);
 }
 
+/* A step so short that a stiff memory changes in proportion to it. */
+static double tiny_step(const struct pair *p, struct scree_sliding at) {
+    double half = 1e-6 * p->time;
+    for (int k = 0; !p->projects && k < 8; k++, half *= 0.1) {
+        at.half = half;
+        struct vec once = vec_sub(rub(p, at).stretch, at.stretch);
+        at.half = 2.0 * half;
+        struct vec twice = vec_sub(rub(p, at).stretch, at.stretch);
+        if (vec_norm(vec_axpy(twice, -2.0, once)) <= 0.01 * vec_norm(once)) break;
+    }
+    return half;
+}
+
 static struct vec memory_rate(const struct pair *p, const struct instant *now) {
-    const double half = 1e-6 * p->time;
     if (p->bristles) return now->force > no_load(p) ? now->bent.rate : vec(0.0, 0.0, 0.0);
-    if (p->slider && (now->at.sliding > 0.0 || now->friction.sliding > 0.0)) return slipping_rate(p, now);
+    double half = tiny_step(p, now->at);
+    if (p->projects && (now->at.sliding > 0.0 || now->friction.sliding > 0.0)) return slipping_rate(p, now);
     struct scree_sliding later = now->at, sooner = now->at;
     later.half = half;
     sooner.half = -half;
@@ -210,7 +224,7 @@ static struct phase phase_at(const struct pair *p, const struct phase *phase, co
     int apart = p->normal->reach ? !(now.law.second > 0.0) : !(overlap > 0.0);
     next.over = now.closing < 0.0 && (apart || (p->normal->cut && !(now.force > 0.0)));
     next.sliding = now.friction.sliding > 0.0;
-    if (next.sliding && phase->sliding && p->slider) next.sliding = slides_on(p, phase, s, &now);
+    if (next.sliding && phase->sliding && p->projects) next.sliding = slides_on(p, phase, s, &now);
     if (p->bristles) next.sliding = give_way(p, phase, s, &now);
     return next;
 }
@@ -329,8 +343,8 @@ static struct pair make_pair(const struct scree_encounter *e, const struct scree
     if (rule->friction < 0) return p;
     p.friction = scree_friction_laws[rule->friction];
     if (p.friction->pair) p.of_friction = p.friction->pair(&rule->friction_constants, mass, e->radius);
-    p.slider = p.friction->hold != NULL;
     p.bristles = p.friction->rate != NULL;
+    p.projects = p.friction->hold && scree_is_bare(p.friction, &rule->friction_constants, p.of_friction);
     return p;
 }
 

@@ -9,7 +9,7 @@
  * an instant (half = 0); the rate of friction's memory is the difference of what the law's own stepping rule makes of a
  * tiny step and of a tiny step back. A slider that caps a spring has a memory that follows the cap without a rate of
  * its own: there the spring is stretched as if it stuck, the law cuts it, and each step ends by keeping what the law
- * has left.
+ * has left. Bristles have their rate (contact/bristle.h).
  *
  * Dormand & Prince's pair of orders 5 and 4 (J. Comput. Appl. Math. 6 (1980) 19) chooses its steps by its error, which
  * also carries it through the roots d^(1/4), d^(1/2) at first touch; steps end where the bodies turn round, stick, slip

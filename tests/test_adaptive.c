@@ -6,6 +6,7 @@
 #include "tests/scenes.h"
 
 #include "bodies/quat.h"
+#include "contact/encounter.h"
 
 static void show(const char *what, const char *which, double error, scree_effort effort) {
     if (getenv("SCREE_SHOW"))
@@ -1214,6 +1215,49 @@ static void test_bristles(void) {
     }
 }
 
+/* ---- one impact, apart from any scene ---- */
+
+/* A stiff sphere meets a wall, in a scene and by contact/encounter.h, which leaves lever arms as they are at the touch:
+ * overlaps are some 4e-8 m, of arms of 0.01 m, so that the two may differ by 4e-6 times the speeds. */
+static void test_lone_impacts(void) {
+    static const char *const normals[] = {"law=\"linear-cut\", stiffness=1e13, restitution=0.7",
+                                          "law=\"hertz\", stiffness=3e17",
+                                          "law=\"walton-braun\", stiffness=1e13, restitution=0.7"};
+    static const char *const frictions[] = {
+        "law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=5e12",
+        "law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=5e12, damping=3e4",
+        "law=\"karnopp\", static=0.4, kinetic=0.3, band=0.05, stiffness=5e12, damping=1e4",
+        "law=\"stribeck\", static=0.4, kinetic=0.3, stribeck_speed=0.1, threshold=0.05",
+        "law=\"dahl\", kinetic=0.33, stiffness=5e12",
+        "law=\"lugre\", static=0.4, kinetic=0.3, stribeck_speed=0.2, stiffness=5e12, damping=3e4",
+        "law=\"elastoplastic\", static=0.4, kinetic=0.3, stribeck_speed=0.2, stiffness=5e12, damping=3e4"};
+    enum { NORMALS = 3, FRICTIONS = 7, TURNS = 8 };
+    for (int k = 0; k < NORMALS * FRICTIONS * TURNS; k++) {
+        char press[120], rub[160], spin[64];
+        double turn = -150.0 + 43.0 * (k % TURNS); /* rad/s: the contact point goes on at 2 m/s, or back */
+        snprintf(press, sizeof press, "contact.0.normal={%s}", normals[k / TURNS % NORMALS]);
+        snprintf(rub, sizeof rub, "contact.0.friction={%s}", frictions[k / (TURNS * NORMALS)]);
+        snprintf(spin, sizeof spin, "body.ball.spin=[0, %g, 0]", turn);
+        const char *changes[] = {press, rub, spin, "body.ball.position=[0,0,0.0100000001]", "time.end=1e-6"};
+        scree_scene *scene = adaptive(brushed, 1e-10, changes, 5);
+        scree_shape sphere = {.kind = SCREE_SPHERE, .radius = 0.01}, plane = {.kind = SCREE_PLANE};
+        struct quat upright = {1.0, 0.0, 0.0, 0.0};
+        struct scree_encounter e = {.normal = {0.0, 0.0, 1.0}, .radius = 0.01};
+        e.ball = scree_partner_of(&sphere, 0.0105, upright, vec(0.0, 0.0, -1.0));
+        e.host = scree_partner_of(&plane, 0.0, upright, vec(0.0, 0.0, 1.0));
+        e.ball.velocity = vec(0.5, 0.3, -1.0);
+        e.ball.spin = vec(0.0, turn, 0.0);
+        struct scree_outcome_of_impact alone = scree_meet(&e, &scene->contacts.rule[0], NULL, NULL);
+        go(scene, 1);
+        scree_body_state ball = state_of(scene, "ball"), other = ball;
+        vec_store(alone.ball.velocity, other.velocity);
+        vec_store(alone.ball.spin, other.spin);
+        if (getenv("SCREE_SHOW")) printf("alone: %s %s %g: %.1e\n", press, rub, turn, astray(ball, other));
+        CHECK(astray(ball, other) < 2e-5);
+        scree_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     test_restitution();
     test_tables();
@@ -1241,6 +1285,7 @@ int main(void) {
     test_band();
     test_brush_with_band();
     test_bristles();
+    test_lone_impacts();
     test_names();
     return check_report();
 }
