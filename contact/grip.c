@@ -66,6 +66,13 @@ static int root_of_spring(const struct scree_grip *grip) {
     return 4;
 }
 
+/* Whether friction is a slider that bears no force under any load: its spring would turn without end. */
+static int bears_nothing(const struct scree_rule *rule, const struct scree_friction_law *friction) {
+    if (!friction || !friction->hold) return 0;
+    struct scree_hold hold = friction->hold(&rule->friction_constants, (struct scree_sliding){.normal = 1.0});
+    return hold.holds == 0.0 && hold.slides == 0.0;
+}
+
 void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                      int batch_index, int index) {
     const struct scree_batch *batch = &contacts->batch[batch_index];
@@ -78,6 +85,7 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
     grip->rule = &contacts->rule[batch->rule];
     grip->normal = scree_normal_laws[grip->rule->normal];
     if (grip->rule->friction >= 0) grip->friction = scree_friction_laws[grip->rule->friction];
+    if (bears_nothing(grip->rule, grip->friction)) grip->friction = NULL;
     if (grip->rule->rolling >= 0) grip->rolling = scree_rolling_laws[grip->rule->rolling];
     for (int c = 0; c < SCREE_PAIR_CONSTANTS; c++) grip->of_normal.c[c] = scree_pair(batch, c, index);
     for (int c = SCREE_PAIR_FRICTION; c < SCREE_PAIR_LEVER; c++)

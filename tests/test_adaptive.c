@@ -1215,6 +1215,15 @@ static void test_bristles(void) {
     }
 }
 
+/* Coefficients of 0 are no friction: a spring that bears nothing has no way to follow the slip over. */
+static void test_friction_of_zero(void) {
+    const char *none[] = {"time.integrator=\"adaptive\"", "body.ball.position=[0,0,0.010001]",
+                          "contact.0.normal={law=\"hertz\", stiffness=3e7}",
+                          "contact.0.friction={law=\"coulomb\", static=0, kinetic=0, stiffness=1e4}"};
+    scree_body_state without = ball_after(brushed, none, 3, 1), zero = ball_after(brushed, none, 4, 1);
+    CHECK(astray(without, zero) == 0.0 && without.velocity[2] > 0.99);
+}
+
 /* ---- one impact, apart from any scene ---- */
 
 /* A stiff sphere meets a wall, in a scene and by contact/encounter.h, which leaves lever arms as they are at the touch:
@@ -1285,6 +1294,7 @@ int main(void) {
     test_band();
     test_brush_with_band();
     test_bristles();
+    test_friction_of_zero();
     test_lone_impacts();
     test_names();
     return check_report();
