@@ -12,7 +12,8 @@
  * z' takes energy while z' has the direction of v (beta < 0), and else at most 4 x beta e^(-x/2) g^2/s_0 is lost to it
  * if s_1 |v| <= 4 g, which that square covers. Hence `scree_bristle_dashpot` (the continuous bound: Barabanov & Ortega,
  * IEEE Trans. Autom. Control 45 (2000) 675). Where z_middle is cut to m g/s_0, m >= 1, what is taken is linear in the
- * cosine between z and v, and at least x m where they are parallel, x m^2 where they are opposite. */
+ * cosine c between z and v, and at least x m^2 at c = 1 and c = -1; the dashpot loses 4 x (m c - 1) <= x m^2 at most.
+ */
 #ifndef SCREE_CONTACT_BRISTLE_H
 #define SCREE_CONTACT_BRISTLE_H
 

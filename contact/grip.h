@@ -129,7 +129,7 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
 void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const struct scree_grip_view *view,
                        double *memory);
 
-/* Whether what is remembered grows now: after a switch, and at the start. */
+/* Whether what is remembered, and the slip, grow now: after a switch, and at the start. */
 void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *sooner,
                               const struct scree_grip_view *later);
 

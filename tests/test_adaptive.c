@@ -1236,11 +1236,14 @@ static void test_lone_impacts(void) {
         "law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=5e12",
         "law=\"coulomb\", static=0.4, kinetic=0.3, stiffness=5e12, damping=3e4",
         "law=\"karnopp\", static=0.4, kinetic=0.3, band=0.05, stiffness=5e12, damping=1e4",
+        "law=\"mindlin-incremental\", static=0.4, kinetic=0.3, shear_modulus=1e17",
+        "law=\"mindlin-incremental\", static=0.4, kinetic=0.3, shear_modulus=1e17, damping=0.2",
+        "law=\"mindlin-rescaled\", static=0.4, kinetic=0.3, shear_modulus=1e17, damping=0.2",
         "law=\"stribeck\", static=0.4, kinetic=0.3, stribeck_speed=0.1, threshold=0.05",
         "law=\"dahl\", kinetic=0.33, stiffness=5e12",
         "law=\"lugre\", static=0.4, kinetic=0.3, stribeck_speed=0.2, stiffness=5e12, damping=3e4",
         "law=\"elastoplastic\", static=0.4, kinetic=0.3, stribeck_speed=0.2, stiffness=5e12, damping=3e4"};
-    enum { NORMALS = 3, FRICTIONS = 7, TURNS = 8 };
+    enum { NORMALS = 3, FRICTIONS = 10, TURNS = 8 };
     for (int k = 0; k < NORMALS * FRICTIONS * TURNS; k++) {
         char press[120], rub[160], spin[64];
         double turn = -150.0 + 43.0 * (k % TURNS); /* rad/s: the contact point goes on at 2 m/s, or back */
