@@ -259,7 +259,8 @@ static struct vec resist(const struct scree_grip *grip, int way, double normal, 
 static void press_normal(const struct scree_grip *grip, struct scree_grip_view *view) {
     double closing = view->closing;
     if (grip->directional) closing = grip->approaching ? fmax(closing, BARELY) : fmin(closing, -BARELY);
-    struct scree_normal_force f = law_of(grip, view->overlap, closing, grip->first);
+    /* What is being renewed isn't there yet: a little sooner the law was on the same branch. */
+    struct scree_normal_force f = law_of(grip, view->overlap, closing, grip->advancing ? 0.0 : grip->first);
     view->whole = f.elastic + f.damping * view->closing;
     view->damping = f.damping;
     view->force = grip->state == SCREE_GRIP_HELD ? view->whole : 0.0;

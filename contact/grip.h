@@ -43,7 +43,7 @@ struct scree_grip {
     int advancing; /* what the normal law remembers is being renewed */
     int fresh;     /* whether it is hasn't been looked at since the contact began */
     int inside;    /* friction's slider is slower than where its hold jumps */
-    int recedes;   /* beyond, its slip grows */
+    int recedes;   /* its slip grows, where that is watched */
     int slips[SCREE_GRIP_WAYS];
     int wary[SCREE_GRIP_WAYS];     /* steps for which a way stays as it is: it has just changed twice at once */
     double since[SCREE_GRIP_WAYS]; /* time of its last change, s */
@@ -109,8 +109,8 @@ enum scree_switch {
     SCREE_SWITCH_PULL,    /* a law that may pull does, or pushes again: friction begins and ends there */
     SCREE_SWITCH_PEAK,    /* what the normal law remembers stops growing, or grows again */
     SCREE_SWITCH_BAND,    /* friction's slider passes the speed at which its hold jumps */
-    SCREE_SWITCH_NEAREST, /* beyond, it is as near to that as it comes, or goes: nothing changes, but a step ends there,
-                             for it may pass through the band and out again within one */
+    SCREE_SWITCH_NEAREST, /* beyond, and of bristles, the slip is as slow or as fast as it gets: nothing changes, but a
+                             step ends there, for it may pass through the band and out again within one, or turn */
     SCREE_SWITCH_SLIDE,   /* one for each way: sticks or slips */
     SCREE_SWITCHES = SCREE_SWITCH_SLIDE + SCREE_GRIP_WAYS
 };

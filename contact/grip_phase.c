@@ -57,6 +57,12 @@ static double left_of_band(const struct scree_grip *grip, const struct scree_gri
     return grip->friction->band(&grip->rule->friction_constants) - vec_norm(view->slip);
 }
 
+/* Whether it is told where the slip is least. Of bristles, since their rates have a kink where it turns round: a step
+ * across would be taken for right. */
+static int watches_slip(const struct scree_grip *grip) {
+    return has_band(grip) ? !grip->inside : grip->friction && grip->friction->rate;
+}
+
 /* By how much the square of the slip grows, m^2/s^2. */
 static double slip_gain(const struct scree_grip_view *sooner, const struct scree_grip_view *later) {
     return vec_norm2(later->slip) - vec_norm2(sooner->slip);
@@ -214,7 +220,7 @@ void scree_grip_keep(const struct scree_grip *grip, const struct scree_grip_view
 
 int scree_grip_needs_rates(const struct scree_grip *grip) {
     if (grip->state != SCREE_GRIP_HELD) return 0;
-    int any = remembers_peak(grip) || (has_band(grip) && !grip->inside);
+    int any = remembers_peak(grip) || watches_slip(grip);
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) any |= grip->slips[way];
     return any;
 }
@@ -242,6 +248,16 @@ static double slide_switch(const struct scree_grip *grip, int way, const struct 
                            : 1.0;
 }
 
+/* Overlaps below are the last before bodies part, in parts of the scale. */
+static const double SHALLOW = 1e-9;
+
+/* What has let go flies on to the end of its overlap in one step. Where the dashpot goes before the spring does, the
+ * force has come back by then: negative. */
+static double returns_at_end(const struct scree_grip *grip, const struct scree_grip_view *view) {
+    struct scree_normal_force f = law_at(grip, SHALLOW * grip->depth, view->closing);
+    return f.elastic + f.damping * view->closing > 0.0 ? -grip->speed : grip->speed;
+}
+
 void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_view *view,
                          const struct scree_grip_view *sooner, const struct scree_grip_view *later, double apart,
                          double values[SCREE_SWITCHES]) {
@@ -254,7 +270,7 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
     /* Where the law is cut, the force over its damping rather than the force: k d/c + u has no root of d in it. */
     double lasting = view->whole / (view->damping + 1e-6 * grip->load / grip->speed);
     if (grip->state == SCREE_GRIP_SPENT) {
-        values[SCREE_SWITCH_FORCE] = view->overlap > 0.0 ? -lasting : 1.0;
+        values[SCREE_SWITCH_FORCE] = view->overlap > SHALLOW * grip->depth ? -lasting : returns_at_end(grip, view);
         return;
     }
     if (grip->normal->cut) values[SCREE_SWITCH_FORCE] = lasting;
@@ -270,7 +286,7 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
                                         grip->depth / (grip->speed * (grip->first + SCREE_NO_SPEED));
     }
     if (grip->pulling) return;
-    if (has_band(grip) && !grip->inside && sooner && later)
+    if (watches_slip(grip) && sooner && later)
         values[SCREE_SWITCH_NEAREST] = (grip->recedes ? 1.0 : -1.0) * slip_gain(sooner, later) / apart * grip->depth /
                                        (grip->speed * grip->speed * grip->speed);
     if (has_band(grip))

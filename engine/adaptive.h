@@ -122,9 +122,17 @@ int scree_adaptive_begin(struct scree_scene *scene);
  * three. */
 double scree_adaptive_doubt(struct scree_scene *scene, double h);
 
-/* Whether phases changed in the step of length h that was just tried. If so, repeats it up to the first change, which
- * is then made; *h becomes the length. */
-int scree_adaptive_event(struct scree_scene *scene, double *h);
+/* The change of a phase that comes first: of which contact (-1: of none), by which of its switch functions. */
+struct scree_event {
+    int grip, which;
+};
+
+/* The first change in the step of length h that was just tried, and of what is due to change with it. If there is one,
+ * the step is repeated up to there; *h becomes the length, 0: it is at the start. */
+struct scree_event scree_adaptive_event(struct scree_scene *scene, double *h);
+
+/* Make the change that the step led to. */
+void scree_adaptive_change(struct scree_scene *scene, struct scree_event event);
 
 /* Choose the clock of the next step: 1 if it has changed. `left`: s until the step must end. */
 int scree_adaptive_clock(struct scree_scene *scene, double left);

@@ -259,19 +259,28 @@ static void drop_clock(struct scree_scene *scene, struct course *c) {
     c->fresh = 1;
 }
 
-/* The step of length h has been tried and is right; take it, up to the first event in it. */
-static scree_status take(struct scree_scene *scene, struct course *c, double h, double error, int tries) {
+/* A step that was tried: `whole` long, or `h` up to the first event in it, in the variable of the step; s; the error
+ * of all of it in parts of what is tolerable. */
+struct trial {
+    double whole, h, time, error;
+    struct scree_event event;
+    int tries;
+};
+
+/* The step is right; take it, up to the first event in it. */
+static scree_status take(struct scree_scene *scene, struct course *c, const struct trial *trial) {
     struct scree_adaptive *a = scene->adaptive;
-    double tried = a->arrived[Y_TIME] - a->y[Y_TIME], whole = h;
-    int event = scree_adaptive_event(scene, &h);
-    double time = a->arrived[Y_TIME] - a->y[Y_TIME], more = error > 0.0 ? 0.9 * scree_pow(error, -0.125) : 6.0;
+    double h = trial->h, time = a->arrived[Y_TIME] - a->y[Y_TIME];
+    double more = trial->error > 0.0 ? 0.9 * scree_pow(trial->error, -0.125) : 6.0;
     more = fmin(fmax(more, 0.3), 6.0);
-    int landed = a->clock >= 0 && whole == h && a->y[Y_CLOCK] + h == a->goal, parted = landed && a->parting && !event;
+    int event = trial->event.grip >= 0, landed = a->clock >= 0 && trial->whole == h && a->y[Y_CLOCK] + h == a->goal;
+    int parted = landed && a->parting && !event;
+    if (event) scree_adaptive_change(scene, trial->event);
     if (a->clock < 0 && !event && a->y[Y_TIME] + h >= c->segment * (1.0 - 1e-15)) a->arrived[Y_TIME] = c->segment;
-    if (a->clock >= 0) a->tick = whole * more;
+    if (a->clock >= 0) a->tick = trial->whole * more;
     /* A step that was short because time was up says nothing against longer ones. */
-    double next = tried * more;
-    scene->inner_step = tries == 0 && a->clock < 0 ? fmax(next, fmin(scene->inner_step, 1e3 * next)) : next;
+    double next = trial->time * more;
+    scene->inner_step = trial->tries == 0 && a->clock < 0 ? fmax(next, fmin(scene->inner_step, 1e3 * next)) : next;
     lengthen_paths(scene, time, a->y, a->arrived, 1);
     tidy_attitudes(scene);
     if (parted) {
@@ -333,18 +342,24 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
             a->every = 1;
             scree_adaptive_rates(scene, a->arrived, a->next);
             a->every = 0;
+            struct trial trial = {.whole = h, .time = time, .error = error, .tries = tries, .event = {-1, 0}};
             double sooner = c->looks ? 0.0 : doubtful(a, h);
-            if (!(sooner > 0.0)) {
+            if (sooner == 0.0) {
                 scree_adaptive_switches(scene, a->arrived, a->next, a->value);
-                sooner = c->looks < MOST_LOOKS ? scree_adaptive_doubt(scene, h) : 0.0;
+                trial.event = scree_adaptive_event(scene, &h);
+                trial.h = h;
+                sooner = c->looks < MOST_LOOKS && h != 0.0 ? scree_adaptive_doubt(scene, h) : 0.0;
             }
-            if (sooner > 0.0) {
+            if (sooner != 0.0) { /* a clock may run backwards */
                 c->looks++;
                 h = sooner;
                 scene->effort.rejected++;
                 continue;
             }
-            return take(scene, c, h, error, tries);
+            /* Far beyond an event nothing may act any more: only the step up to there tells how wrong that is. */
+            time = a->arrived[Y_TIME] - a->y[Y_TIME];
+            if (trial.event.grip >= 0 && h != 0.0) error = scree_adaptive_error(scene, time);
+            if (error <= 1.0) return take(scene, c, &trial);
         }
         scene->effort.rejected++;
         double less = far ? 0.5 : error < 1e8 ? fmax(0.1, 0.9 * scree_pow(error, -0.125)) : 0.1;

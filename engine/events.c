@@ -108,24 +108,26 @@ static void repeat(struct scree_scene *scene, double h) {
     scree_adaptive_switches(scene, a->arrived, a->next, a->value);
 }
 
-struct event {
-    int grip, which;
-};
+/* Whether a slide changes where the step begins, clearly: another change there has made its function jump. */
+static int is_due(const struct scree_adaptive *a, int k, int which) {
+    return which >= SCREE_SWITCH_SLIDE && a->before[k][which] < -1e-6;
+}
 
 /* The switch function that has fallen below zero furthest, as far as one can tell from both ends: the first of all;
  * grip -1: none. */
-static struct event first_event(const struct scree_scene *scene) {
+static struct scree_event first_event(const struct scree_scene *scene) {
     const struct scree_adaptive *a = scene->adaptive;
-    struct event event = {-1, 0};
+    struct scree_event event = {-1, 0};
     double soonest = HUGE_VAL;
     for (int k = 0; k < a->grips; k++) {
         for (int w = 0; w < SCREE_SWITCHES; w++) {
             double end = a->value[k][w], begin = fmax(a->before[k][w], 0.0);
-            if (!(end < -nothing(scene, &a->grip[k], w))) continue;
-            double when = begin / (begin - end);
+            int at_once = is_due(a, k, w);
+            if (!(end < -nothing(scene, &a->grip[k], w)) && !at_once) continue;
+            double when = at_once ? 0.0 : begin / (begin - end);
             if (when >= soonest) continue;
             soonest = when;
-            event = (struct event){k, w};
+            event = (struct scree_event){k, w};
         }
     }
     return event;
@@ -134,7 +136,7 @@ static struct event first_event(const struct scree_scene *scene) {
 /* Shorten the step to where one switch function, negative at its end, is zero: inverse quadratic interpolation with
  * bisection as Chandrupatla (Adv. Eng. Softw. 28 (1997) 145) chooses between them. A function that starts at zero
  * counts from where it is positive; if it is nowhere, the event is at the start. Returns the length. */
-static double locate(struct scree_scene *scene, struct event event, double h) {
+static double locate(struct scree_scene *scene, struct scree_event event, double h) {
     struct scree_adaptive *a = scene->adaptive;
     double small = nothing(scene, &a->grip[event.grip], event.which), *value = &a->value[event.grip][event.which];
     double low = 0.0, at_low = a->before[event.grip][event.which], high = h, at_high = *value;
@@ -201,15 +203,18 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     struct scree_adaptive *a = scene->adaptive;
     struct scree_grip_view *end = a->view;
     double *middle = a->work.k[1], *rates = a->work.k[2], soonest = 1.0; /* stages are done with */
-    int any = 0;
-    for (int k = 0; k < a->grips && !any; k++)
-        for (int way = 0; way < SCREE_GRIP_WAYS; way++) any |= grips(&a->grip[k], way);
-    if (!any || first_event(scene).grip >= 0) return 0.0;
+    int any = 0, slips = 0;
+    for (int k = 0; k < a->grips; k++)
+        for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
+            any |= grips(&a->grip[k], way);
+            slips |= a->grip[k].slips[way];
+        }
+    if (!any) return 0.0;
     for (size_t i = 0; i < a->work.size; i++)
         middle[i] = 0.5 * (a->y[i] + a->arrived[i]) + 0.125 * h * (a->work.k[0][i] - a->next[i]);
     a->view = a->halfway;
     scree_adaptive_rates(scene, middle, rates);
-    struct apart apart = look_around(scene, middle, rates);
+    struct apart apart = slips ? look_around(scene, middle, rates) : (struct apart){0.0, 0.0};
     for (int k = 0; k < a->grips; k++) {
         double value[SCREE_SWITCHES], small = nothing(scene, &a->grip[k], SCREE_SWITCH_SLIDE);
         if (a->grip[k].state != SCREE_GRIP_HELD) continue; /* the halfway view has only those */
@@ -232,13 +237,13 @@ static void note_slide(struct scree_grip *grip, int way, double time) {
     grip->since[way] = time;
 }
 
-/* Make the changes whose switch functions are zero at the end of the step. */
-static void change(struct scree_scene *scene, struct event event, const int *due, double *y) {
+void scree_adaptive_change(struct scree_scene *scene, struct scree_event event) {
     struct scree_adaptive *a = scene->adaptive;
+    double *y = a->arrived;
     for (int k = 0; k < a->grips; k++) {
         for (int w = 0; w < SCREE_SWITCHES; w++) {
             int same = k == event.grip && w == event.which;
-            int also = due[k] >> w & 1 && a->value[k][w] <= 4.0 * nothing(scene, &a->grip[k], w);
+            int also = a->due[k] >> w & 1 && a->value[k][w] <= 4.0 * nothing(scene, &a->grip[k], w);
             if (!same && !also) continue;
             if (a->grip[k].state == SCREE_GRIP_APART) scree_adaptive_claim(a, k);
             scree_grip_switch(&a->grip[k], (enum scree_switch)w, &a->view[k], y + a->place[k]);
@@ -249,18 +254,18 @@ static void change(struct scree_scene *scene, struct event event, const int *due
     }
 }
 
-int scree_adaptive_event(struct scree_scene *scene, double *h) {
+struct scree_event scree_adaptive_event(struct scree_scene *scene, double *h) {
     struct scree_adaptive *a = scene->adaptive;
-    struct event event = first_event(scene), none = {-1, 0};
-    if (event.grip < 0) return 0;
+    struct scree_event event = first_event(scene), none = {-1, 0};
+    if (event.grip < 0) return none;
     for (int k = 0; k < a->grips; k++) {
         a->due[k] = 0;
         for (int w = 0; w < SCREE_SWITCHES; w++)
             if (a->value[k][w] < -nothing(scene, &a->grip[k], w)) a->due[k] |= 1 << w;
     }
-    for (struct event next = event; next.grip >= 0 && *h != 0.0;) {
+    for (struct scree_event next = event; next.grip >= 0 && *h != 0.0;) {
         event = next;
-        *h = locate(scene, event, *h);
+        *h = is_due(a, event.grip, event.which) ? 0.0 : locate(scene, event, *h);
         if (*h == 0.0) break;
         next = first_event(scene);
         if (next.grip == event.grip && next.which == event.which) next = none;
@@ -272,8 +277,7 @@ int scree_adaptive_event(struct scree_scene *scene, double *h) {
         a->every = 0;
         memcpy(a->value, a->before, (size_t)a->grips * sizeof *a->value);
     }
-    change(scene, event, a->due, a->arrived);
-    return 1;
+    return event;
 }
 
 /* ---- clocks ---- */
