@@ -66,10 +66,12 @@ static void rub(const struct scree_pair_motion *p, struct scree_pair_instant *at
     at->sliding = f.sliding;
 }
 
+static int has_bristles(const struct scree_pair_motion *p) { return p->friction && p->friction->memory && !p->slider; }
+
 /* The memory of such a law after `time` at the velocity and overlap of `at` and under a load, by its own rule, into
- * `to`. */
-static void drag(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
-                 const struct scree_pair_instant *at, double normal, double time, struct scree_pair_instant *to) {
+ * `to`. Returns the force of that time, N. */
+static struct vec drag(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                       const struct scree_pair_instant *at, double normal, double time, struct scree_pair_instant *to) {
     struct scree_sliding sliding = sliding_of(p, at, normal);
     sliding.stretch = from->stretch;
     sliding.sliding = from->sliding;
@@ -77,6 +79,7 @@ static void drag(const struct scree_pair_motion *p, const struct scree_pair_inst
     struct scree_tangential f = p->friction->force(p->friction_law, p->friction_pair, sliding);
     to->stretch = f.stretch;
     to->sliding = f.sliding;
+    return f.force;
 }
 
 /* A slider at an instant whose overlap, velocity and normal force are set: spring, dashpot and limit. */
@@ -204,24 +207,61 @@ static void finish_slider(const struct scree_pair_motion *p, const struct stages
     if (p->friction->in_force && s->in_stretch) end->stretch = vec_scale(drawn.k, end->stretch);
 }
 
+/* A number, or a vector, of the four stages at a quarter (0) or three quarters (1) of the step in its variable: on the
+ * parabola through its ends and its middle. */
+static double between_stages(double first, double second, double third, double fourth, int late) {
+    double inner = second + third, near = late ? fourth : first, away = late ? first : fourth;
+    return 0.125 * (3.0 * near + 3.0 * inner - away);
+}
+
+static struct vec between(const struct stages *s, int late) {
+    struct vec inner = vec_add(s->at[1].velocity, s->at[2].velocity);
+    struct vec near = s->at[late ? 3 : 0].velocity, away = s->at[late ? 0 : 3].velocity;
+    return vec_scale(0.125, vec_sub(vec_scale(3.0, vec_add(near, inner)), away));
+}
+
+/* Bristles through a step of length `time`, by their own rule in two halves; the stages tell how they are dragged. At
+ * an instant they may be anywhere around where they settle, if that is stiff: what they bear on an average takes the
+ * place of what the stages have, whose forces are those of the normal law then. */
+static struct scree_pair_yield bend_through(const struct scree_pair_motion *p, struct stages *s, double time,
+                                            struct scree_pair_instant *end) {
+    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    struct scree_pair_instant now = s->at[0];
+    double left = time;
+    for (int late = 0; late < 2; late++) {
+        double part = late ? time - s->time[1] : s->time[1];
+        struct scree_pair_instant at = now;
+        const struct scree_pair_load *load = s->load;
+        at.velocity = between(s, late);
+        at.overlap = between_stages(s->at[0].overlap, s->at[1].overlap, s->at[2].overlap, s->at[3].overlap, late);
+        double normal = between_stages(load[0].normal, load[1].normal, load[2].normal, load[3].normal, late);
+        struct vec bears = drag(p, &now, &at, normal, part, &now);
+        sum.impulse = vec_axpy(sum.impulse, part, bears);
+        sum.moment = vec_axpy(sum.moment, part * (left - 0.5 * part), bears);
+        sum.rubbed -= part * vec_dot(bears, at.velocity);
+        left -= part;
+    }
+    for (int k = 0; k < 4; k++) {
+        s->load[k].force = vec_scale(s->load[k].normal, p->n);
+        s->load[k].rubbing = 0.0;
+    }
+    end->stretch = now.stretch;
+    end->sliding = now.sliding;
+    return sum;
+}
+
 /* The memories at the end of a step of length `time`, whose overlap and velocity are set, and the work done in it. */
 static void finish_stages(const struct scree_pair_motion *p, const struct stages *s, double size, double time,
                           struct scree_pair_instant *end, struct scree_pair_yield *yield) {
-    struct scree_pair_instant mean = s->at[2];
-    struct vec way = {0.0, 0.0, 0.0};
-    yield->lost = yield->rubbed = 0.0;
+    yield->lost = 0.0;
     for (int k = 0; k < 4; k++) {
         double share = weight[k] * size * s->along[k];
-        way = vec_axpy(way, share, s->at[k].velocity);
         yield->lost += share * s->load[k].normal * closing_of(p, &s->at[k]);
         yield->rubbed += share * s->load[k].rubbing;
     }
     if (p->slider) finish_slider(p, s, size, time, end);
     remember(p, end);
     yield->lost -= stored(p, end) - stored(p, &s->at[0]); /* the work of the force that isn't there any more */
-    if (p->slider || !p->friction || !p->friction->memory || time == 0.0) return;
-    mean.velocity = vec_scale(1.0 / time, way);
-    drag(p, &s->at[0], &mean, s->load[2].normal, time, end);
 }
 
 /* One Runge-Kutta step over `time`. */
@@ -237,10 +277,13 @@ static struct scree_pair_instant move(const struct scree_pair_motion *p, const s
         s.at[k].stretch = s.at[0].stretch;
         load_stage(p, &s, k, time, time);
     }
-    struct vec ends = vec_add(s.load[0].force, s.load[3].force), inner = vec_add(s.load[1].force, s.load[2].force);
-    yield->impulse = vec_scale(time / 6.0, vec_axpy(ends, 2.0, inner));
-    yield->moment = vec_scale(time * time / 6.0, vec_add(s.load[0].force, inner));
     struct scree_pair_instant end = s.at[0];
+    struct scree_pair_yield bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    if (has_bristles(p)) bristles = bend_through(p, &s, time, &end);
+    struct vec ends = vec_add(s.load[0].force, s.load[3].force), inner = vec_add(s.load[1].force, s.load[2].force);
+    yield->impulse = vec_axpy(bristles.impulse, time / 6.0, vec_axpy(ends, 2.0, inner));
+    yield->moment = vec_axpy(bristles.moment, time * time / 6.0, vec_add(s.load[0].force, inner));
+    yield->rubbed = bristles.rubbed;
     struct vec kick = vec_axpy(mat_apply(&p->give, yield->impulse), time, p->a);
     struct vec shift = vec_axpy(mat_apply(&p->give, yield->moment), 0.5 * time * time, p->a);
     shift = vec_axpy(shift, time, from->velocity);
@@ -315,7 +358,7 @@ static double clock_time(const struct clock *c, double ticks, double *along) {
 static void tick(const struct scree_pair_motion *p, const struct clock *c, const struct scree_pair_instant *from,
                  int piece, struct scree_pair_instant *now, struct scree_pair_yield *yield) {
     struct stages s = {.at = {*now, *now, *now, *now}};
-    struct scree_pair_yield sum = *yield, part;
+    struct scree_pair_yield sum = *yield, bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0}, part = bristles;
     struct vec impulse[4];
     double size = c->size, ignored;
     double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
@@ -333,10 +376,20 @@ static void tick(const struct scree_pair_motion *p, const struct clock *c, const
         }
         impulse[k] = state.impulse;
         load_stage(p, &s, k, size, after - before);
+    }
+    *now = s.at[0];
+    if (has_bristles(p)) {
+        bristles = bend_through(p, &s, after - before, now);
+        for (int k = 1; k < 4; k++)
+            impulse[k] = vec_axpy(yield->impulse, node[k] * size * s.along[k - 1], s.load[k - 1].force);
+    }
+    for (int k = 0; k < 4; k++) {
         sum.impulse = vec_axpy(sum.impulse, weight[k] * size * s.along[k], s.load[k].force);
         sum.moment = vec_axpy(sum.moment, weight[k] * size * s.along[k], impulse[k]);
     }
-    *now = s.at[0];
+    sum.impulse = vec_add(sum.impulse, bristles.impulse);
+    sum.moment = vec_add(sum.moment, bristles.moment);
+    part.rubbed = bristles.rubbed;
     place(p, from, after, &sum, now);
     finish_stages(p, &s, size, after - before, now, &part);
     sum.lost += part.lost;
