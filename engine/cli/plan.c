@@ -492,6 +492,13 @@ static double highest_speed(const scree_transport *task, double low, scree_plan 
     return good;
 }
 
+/* What a rigid plan needs, most times on a grid don't give, and costs next to nothing: velocities forwards, and a comb
+ * that brakes hard enough after the catch (0.6 mu g; a little less, that rounding doesn't decide here). */
+static int may_work(const scree_transport *task, double cycles) {
+    double v[3], last = (1.0 - task->fractions[2]) * scree_transport_time(task, cycles);
+    return !scree_plan_rigid(task, cycles, v) && v[1] >= 0.0 && v[2] >= 0.59 * scree_transport_slowing(task) * last;
+}
+
 /* Whether a rigid plan works at `cycles` with some times on a grid, which `task` then has: those with which one works
  * up to `low`, too, if there are any. */
 static int find_times(scree_transport *task, double cycles, double low) {
@@ -503,7 +510,7 @@ static int find_times(scree_transport *task, double cycles, double low) {
             for (int k = j + 1; k < GRID; k++) {
                 const double times[3] = {(double)i / GRID, (double)j / GRID, (double)k / GRID};
                 memcpy(task->fractions, times, sizeof times);
-                if (!works(task, cycles, &plan)) continue;
+                if (!may_work(task, cycles) || !works(task, cycles, &plan)) continue;
                 if (works(task, low, &plan)) return 1; /* and between them */
                 if (first[0] == 0.0) memcpy(first, times, sizeof first);
             }
