@@ -570,6 +570,8 @@ check 'threads change nothing' 0 'written to' plan "$transport/bars.toml" --thre
     --set map.to=320 --set curves.count=3 --set curves.from=400
 expect 'the same table' cmp "$work/first.csv" "$work/plan/servo_500.csv"
 check 'a rigid plan' 0 'times chosen at 800' plan "$transport/rigid.toml"
+check 'the first times that work lower down' 0 'with times = [0.35, 0.375, 0.625] a rigid product is placed from 86.8 to 98.44; between 81.5 and 87 no' \
+    plan "$transport/rigid.toml" --set 'plan.speeds=[500]'
 # Plans of formulation A for all speeds are one plan, scaled: two knots do, whatever the process model makes of them.
 check 'a map of rigid plans' 0 'map: 2 knots' plan "$transport/bars.toml" --set 'plan.formulation="A"' --set 'plan.speeds=[500]' \
     --set curves.count=2 --set curves.from=400 --set model.step=2e-5
