@@ -559,8 +559,8 @@ static inline int gather(const struct scree_bodies *bodies, const struct scree_b
 
 /* ---- edges on edges ---- */
 
-/* What they do besides pushing at the middle of their overlap, per newton of the normal force; and what they close in
- * faster than laws are told, m/s. */
+/* What they do besides pushing at the middle of their overlap (scree_lean_of), and what they close in faster than laws
+ * are told, m/s. */
 struct lean {
     double force[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
     double untold[SCREE_LANES];
@@ -584,17 +584,17 @@ static inline void gather_crossing(const struct scree_bodies *bodies, const stru
                                    int lane, struct lean *lean) {
     struct scree_crossing c = scree_cross(boxes, contact, geometry);
     struct scree_gait gait = scree_gait_on_edges(bodies, contact, &c);
-    struct vec n = c.meeting.normal, host_arm = vec_add(c.point, get(b->shift, lane));
-    put(b->n, lane, n);
+    struct scree_gradient leans = scree_lean_of(&c, boxes->apart);
+    put(b->n, lane, c.meeting.normal);
     put(b->arm, lane, gait.arm);
     put(b->slip, lane, gait.slip);
     b->overlap[lane] = c.meeting.overlap;
     b->touching[lane] = b->share[lane] = c.meeting.overlap > 0.0 ? 1.0 : 0.0;
     b->closing[lane] = gait.closing;
     lean->untold[lane] = gait.untold;
-    put(lean->force, lane, vec_sub(c.force, n));
-    put(lean->turn_ball, lane, vec_sub(c.turn_a, vec_cross(c.point, n)));
-    put(lean->turn_host, lane, vec_add(c.turn_b, vec_cross(host_arm, n)));
+    put(lean->force, lane, leans.force);
+    put(lean->turn_ball, lane, leans.turn_a);
+    put(lean->turn_host, lane, leans.turn_b);
 }
 
 /* Whether two boxes may touch edge on edge in this step, whose own way counts too: a contact that begins in it is felt

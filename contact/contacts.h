@@ -359,7 +359,7 @@ struct scree_contacts {
     double chosen_skin;   /* the same; limits and the order of bodies go by it, whatever lists are made with */
     double most_margin;   /* a few fast bodies may use up more than half the skin: up to this, m; */
     double widest_margin; /* and that is the most that one has */
-    double step;          /* s; margins of near lists are reckoned in steps (0: as wide as the skin) */
+    double step;          /* s; margins of near lists are reckoned in steps (0, adaptive: as wide as the skin) */
     float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
     struct scree_gate gate[SCREE_SLABS][SCREE_STRIPS]; /* of the strips of slabs whose lists are as they were then: */
     unsigned char gated[SCREE_SLABS];
@@ -503,6 +503,7 @@ struct scree_touch {
     double stored, stored_in_friction; /* J, in normal direction; in the springs of friction and rolling */
     struct vec normal;                 /* from the host towards the ball */
     struct vec point;                  /* middle of the overlap, m */
+    struct scree_gradient lean;        /* of boxes, what one newton of the normal force does besides (scree_lean_of) */
     struct vec slip;                   /* tangential velocity of the ball, m/s */
     struct vec tangential;             /* friction force on the ball, N */
     struct vec torque;                 /* of the rolling law on the ball, N m */

@@ -93,9 +93,9 @@ static struct vec acceleration(const struct side *side, struct vec own, double m
 struct view {
     struct vec normal, arm, apart;
     double overlap;
-    int leans;                             /* of edges on edges, and of corners of boxes that are deep: */
-    struct vec lean, turn_ball, turn_host; /* beyond what the normal force does at the arm, per 1 N; */
-    double muffled;                        /* scree_muffled, else 1 */
+    int leans;                  /* of edges on edges, and of corners of boxes that are deep: */
+    struct scree_gradient lean; /* scree_lean_of; */
+    double muffled;             /* scree_muffled, else 1 */
 };
 
 /* Two boxes as the contacts before had them: a pair's contacts follow one another. */
@@ -118,13 +118,14 @@ static struct view view_of_crossing(const struct scree_bodies *bodies, const str
     if (geometry == SCREE_EDGE_EDGE && pair->rectangles < 0)
         pair->rectangles = scree_meet_as_rectangles(boxes, (struct scree_rectangles){0, 0, 1});
     if (geometry == SCREE_BALL_BOX || !pair->rectangles) c = scree_cross(boxes, contact, geometry);
-    struct vec n = c.meeting.normal, apart = boxes->apart;
-    struct view view = {
-        .normal = n, .arm = c.point, .apart = apart, .overlap = c.meeting.overlap, .leans = 1, .muffled = 1.0};
+    struct view view = {.normal = c.meeting.normal,
+                        .arm = c.point,
+                        .apart = boxes->apart,
+                        .overlap = c.meeting.overlap,
+                        .leans = 1,
+                        .muffled = 1.0};
     if (!(view.overlap > 0.0)) return view;
-    view.lean = vec_sub(c.force, n);
-    view.turn_ball = vec_sub(c.turn_a, vec_cross(c.point, n));
-    view.turn_host = vec_add(c.turn_b, vec_cross(vec_add(c.point, apart), n));
+    view.lean = scree_lean_of(&c, boxes->apart);
     view.muffled = scree_muffled(bodies, contact, &c);
     return view;
 }
@@ -293,12 +294,12 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
         j = vec_dot(impulse, middle.normal);
         m = vec_dot(moment, middle.normal);
     }
-    put(yield->impulse, lane, vec_axpy(impulse, j, middle.lean));
-    put(yield->turn_ball, lane, vec_axpy(vec_cross(middle.arm, impulse), j, middle.turn_ball));
-    put(yield->turn_host, lane, vec_axpy(vec_cross(impulse, host_arm), j, middle.turn_host));
-    put(moments->impulse, lane, vec_axpy(moment, m, middle.lean));
-    put(moments->turn_ball, lane, vec_axpy(vec_cross(middle.arm, moment), m, middle.turn_ball));
-    put(moments->turn_host, lane, vec_axpy(vec_cross(moment, host_arm), m, middle.turn_host));
+    put(yield->impulse, lane, vec_axpy(impulse, j, middle.lean.force));
+    put(yield->turn_ball, lane, vec_axpy(vec_cross(middle.arm, impulse), j, middle.lean.turn_a));
+    put(yield->turn_host, lane, vec_axpy(vec_cross(impulse, host_arm), j, middle.lean.turn_b));
+    put(moments->impulse, lane, vec_axpy(moment, m, middle.lean.force));
+    put(moments->turn_ball, lane, vec_axpy(vec_cross(middle.arm, moment), m, middle.lean.turn_a));
+    put(moments->turn_host, lane, vec_axpy(vec_cross(moment, host_arm), m, middle.lean.turn_b));
     double before = place.batch->past[SCREE_PAST_DEPTH][place.index];
     keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index), before);
     keep_past(place.batch, 0, place.index, impulse, rubs && vec_norm2(impulse) > 0.0 ? middle.overlap : 0.0);
@@ -326,9 +327,9 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
     gain = vec_sub(gain, vec_cross(host->spin, vec_add(arm, apart)));
     if (ball->leans) {
         struct vec between = vec_sub(vec_from(ball->record->v), vec_from(host->record->v));
-        double more = vec_dot(vec_sub(middle.lean, now.lean), between) +
-                      vec_dot(vec_sub(middle.turn_ball, now.turn_ball), ball->spin) +
-                      vec_dot(vec_sub(middle.turn_host, now.turn_host), host->spin);
+        double more = vec_dot(vec_sub(middle.lean.force, now.lean.force), between) +
+                      vec_dot(vec_sub(middle.lean.turn_a, now.lean.turn_a), ball->spin) +
+                      vec_dot(vec_sub(middle.lean.turn_b, now.lean.turn_b), host->spin);
         gain = vec_axpy(gain, 2.0 / step * more, now.normal);
     }
     return vec_sub(gain, vec_cross(vec_cross(now.normal, normal), velocity));
@@ -486,9 +487,9 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     if (now.leans) {
         ball.leans = host.leans = 1;
         ball.n = host.n = now.normal;
-        ball.lean = host.lean = now.lean;
-        ball.lean_turn = now.turn_ball;
-        host.lean_turn = vec_scale(-1.0, now.turn_host);
+        ball.lean = host.lean = now.lean.force;
+        ball.lean_turn = now.lean.turn_a;
+        host.lean_turn = vec_scale(-1.0, now.lean.turn_b);
     }
 
     struct scree_pair_motion *p = &o->p;

@@ -45,16 +45,20 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
     touch->stored_in_friction += 0.5 * law->stiffness(constants) * (vec_norm2(r.stretch) + s.stretch.x * s.stretch.x);
 }
 
-/* Where and how a contact moves; `m` receives normal and overlap. */
-static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                                 const struct scree_batch *batch, int rolls, struct scree_meeting *m) {
+/* Where and how a contact moves; `m` receives normal and overlap, `lean` what boxes do besides. */
+static struct scree_gait gait_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                 const struct scree_contact *contact, const struct scree_batch *batch,
+                                 struct scree_meeting *m, struct scree_gradient *lean) {
     enum scree_geometry geometry = batch->geometry;
+    int rolls = contacts->rule[batch->rule].rolling >= 0;
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
     if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
         struct scree_two_boxes boxes = scree_deep_boxes_of(bodies, contact);
-        if (geometry == SCREE_EDGE_EDGE || boxes.inset.by > 0.0) {
+        int steps = contacts->step > 0.0; /* the adaptive integrator takes corners as they are, however deep */
+        if (geometry == SCREE_EDGE_EDGE || (steps && boxes.inset.by > 0.0)) {
             struct scree_crossing crossing = scree_cross(&boxes, contact, geometry);
             *m = crossing.meeting;
+            *lean = scree_lean_of(&crossing, boxes.apart);
             return scree_gait_on_edges(bodies, contact, &crossing);
         }
     }
@@ -74,14 +78,22 @@ static struct scree_gait gait_of(const struct scree_bodies *bodies, const struct
                          ball_spin, host_spin);
 }
 
+static int are_rectangles(const struct scree_bodies *bodies, const struct scree_contact *contact) {
+    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+    return scree_meet_as_rectangles(&boxes, (struct scree_rectangles){0, 0, 1});
+}
+
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch_index,
                            int index, struct scree_touch *touch) {
     const struct scree_batch *batch = &contacts->batch[batch_index];
     struct scree_contact own = scree_contact_at(batch, index), *contact = &own;
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_record *ball = &bodies->record[contact->ball];
+    if (batch->geometry == SCREE_EDGE_EDGE && are_rectangles(bodies, contact)) return 0; /* corners bear all */
     struct scree_meeting m;
-    struct scree_gait gait = gait_of(bodies, contact, batch, rule->rolling >= 0, &m);
+    struct vec none = {0.0, 0.0, 0.0};
+    struct scree_gradient lean = {none, none, none};
+    struct scree_gait gait = gait_of(contacts, bodies, contact, batch, &m, &lean);
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct scree_pressing pressing = scree_pressed(m.overlap, gait.closing, 0.0, 0.0);
     if (normal->memory) {
@@ -109,6 +121,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
     if (unbooked) touch->stored += scree_snap_energy(normal->stored, &rule->normal_constants, pair);
     touch->normal = m.normal;
+    touch->lean = lean;
     touch->point = vec_add(vec_from(ball->x), gait.arm);
     touch->slip = gait.slip;
     if (rule->friction >= 0) measure_friction(rule, tangential_pair, batch, index, touch);

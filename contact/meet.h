@@ -173,6 +173,13 @@ static inline double scree_muffled(const struct scree_bodies *bodies, const stru
     return lever > 1.0 ? lever * lever : 1.0;
 }
 
+/* What one newton of the normal force does besides pushing along the normal at the middle of the overlap. */
+static inline struct scree_gradient scree_lean_of(const struct scree_crossing *c, struct vec apart) {
+    struct vec n = c->meeting.normal;
+    return (struct scree_gradient){vec_sub(c->force, n), vec_sub(c->turn_a, vec_cross(c->point, n)),
+                                   vec_add(c->turn_b, vec_cross(vec_add(c->point, apart), n))};
+}
+
 /* How two edges move at their crossing; they close in as fast as their overlap grows. */
 static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *bodies,
                                                     const struct scree_contact *contact,

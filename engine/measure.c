@@ -182,6 +182,8 @@ static scree_contact_state contact_state(const scree_scene *scene, const struct 
     vec_store(touch->normal, state.normal);
     vec_store(touch->slip, state.slip);
     vec_store(touch->tangential, state.friction);
+    struct vec straight = vec_axpy(touch->tangential, touch->normal_force, touch->normal);
+    vec_store(vec_axpy(straight, touch->normal_force, touch->lean.force), state.force);
     vec_store(touch->torque, state.rolling);
     state.overlap = touch->overlap;
     state.closing = touch->closing;

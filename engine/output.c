@@ -13,7 +13,7 @@ static const char bodies_header[] = "time_s,body,x_m,y_m,z_m,q_w,q_x,q_y,q_z,vx_
                                     "wz_rad_s\n";
 static const char contacts_header[] = "time_s,ball,host,corner,x_m,y_m,z_m,nx,ny,nz,overlap_m,closing_m_s,slip_x_m_s,"
                                       "slip_y_m_s,slip_z_m_s,normal_force_N,friction_x_N,friction_y_N,friction_z_N,"
-                                      "sliding\n";
+                                      "sliding,force_x_N,force_y_N,force_z_N\n";
 static const char energy_header[] =
     "time_s,kinetic_J,rotational_J,potential_J,stored_J,lost_normal_J,lost_tangential_J,"
     "driven_J,balance_J,deepest_overlap\n";
@@ -152,7 +152,9 @@ static void put_contact(FILE *file, const scree_scene *scene, const scree_contac
     put_numbers(file, state->slip, 3);
     put_numbers(file, &state->normal_force, 1);
     put_numbers(file, state->friction, 3);
-    fprintf(file, ",%d\n", state->sliding);
+    fprintf(file, ",%d", state->sliding);
+    put_numbers(file, state->force, 3);
+    fputc('\n', file);
 }
 
 static scree_status put_contacts(struct scree_output *output, scree_scene *scene, scree_trouble *trouble) {

@@ -261,7 +261,9 @@ typedef struct scree_contact_state {
                      * its partner, 4 along each axis, bits for the signs along the two that follow it */
     double point[3], normal[3];       /* m; from the host to the ball, unit length */
     double overlap, closing, slip[3]; /* m, m/s, m/s of the ball against the host */
-    double normal_force, friction[3]; /* N, on the ball */
+    double normal_force, friction[3]; /* N, on the ball: along the normal, and across it; */
+    double force[3];                  /* N, on the ball, all of it: where edges of boxes, or corners deeper than their
+                                       * roundings, bear together, a normal force pushes sideways, too */
     double rolling[3];                /* torque of the rolling law on the ball, N m */
     int sliding;                      /* 1: it slides, by a law with memory; 0: it holds, or the law has none */
 } scree_contact_state;

@@ -212,8 +212,7 @@ static int fill_contacts(scree_scene *scene, struct frame *frame) {
     if (ok) single_points(frame);
     for (int k = 0; ok && k < count; k++) {
         memcpy(frame->point + 3 * k, state[k].point, sizeof state[k].point);
-        for (int axis = 0; axis < 3; axis++)
-            force[3 * k + axis] = state[k].normal_force * state[k].normal[axis] + state[k].friction[axis];
+        memcpy(force + 3 * k, state[k].force, sizeof state[k].force);
         overlap[k] = state[k].overlap;
         ball[k] = state[k].ball;
         host[k] = state[k].host;

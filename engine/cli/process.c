@@ -262,7 +262,7 @@ static scree_status forces(scree_scene *scene, double *rear, double *front, doub
         double x = contact[k].normal_force * contact[k].normal[0];
         if (strstr(scree_scene_body_name(scene, contact[k].host).text, "rear")) *rear += x;
         if (strstr(scree_scene_body_name(scene, contact[k].host).text, "front")) *front -= x;
-        *along += x + contact[k].friction[0];
+        *along += contact[k].force[0];
     }
     return status;
 }
