@@ -521,6 +521,7 @@ struct scree_kick {
     int ball, host;
     double overlap;                           /* m */
     struct vec impulse, turn_ball, turn_host; /* the first on the ball, the opposite on the host */
+    struct vec straight;                      /* the impulse less what boxes do besides (scree_lean_of) */
 };
 struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
                                  int index, double step);

@@ -578,7 +578,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
                 vec_store(vec_sub(vec_from(host->impulse[s]), kick.impulse), host->impulse[s]);
                 vec_store(vec_add(vec_from(ball->turn[s]), kick.turn_ball), ball->turn[s]);
                 vec_store(vec_add(vec_from(host->turn[s]), kick.turn_host), host->turn[s]);
-                keep_past(batch, s, k, kick.impulse, contacts->rule[batch->rule].friction >= 0 ? kick.overlap : 0.0);
+                keep_past(batch, s, k, kick.straight, contacts->rule[batch->rule].friction >= 0 ? kick.overlap : 0.0);
             }
         }
     }

@@ -146,9 +146,11 @@ struct scree_kick scree_kick_now(const struct scree_contacts *contacts, const st
     kick.ball = touch.ball;
     kick.host = touch.host;
     kick.overlap = touch.overlap;
-    kick.impulse = vec_scale(step, vec_axpy(touch.tangential, touch.normal_force, touch.normal));
-    kick.turn_ball = vec_scale(turns, vec_cross(arm, kick.impulse));
-    kick.turn_host = vec_scale(turns, vec_cross(kick.impulse, host_arm));
+    double j = step * touch.normal_force;
+    kick.straight = vec_scale(step, vec_axpy(touch.tangential, touch.normal_force, touch.normal));
+    kick.impulse = vec_axpy(kick.straight, j, touch.lean.force);
+    kick.turn_ball = vec_scale(turns, vec_axpy(vec_cross(arm, kick.straight), j, touch.lean.turn_a));
+    kick.turn_host = vec_scale(turns, vec_axpy(vec_cross(kick.straight, host_arm), j, touch.lean.turn_b));
     return kick;
 }
 
