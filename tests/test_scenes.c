@@ -1,4 +1,6 @@
 /* engine/: many spheres at once, from tables and generators. */
+#include "contact/loop.h"
+#include "contact/meet.h"
 #include "engine/hash.h"
 #include "engine/names.h"
 #include "tests/scenes.h"
@@ -780,6 +782,40 @@ static void test_flight_at_fixed(void) {
     check_meeting(scene, 0.008, 2.0);
 }
 
+/* Two pass each other as fast as flights do, touched until just before the step, and nothing is left of their margins:
+ * what acts in the step still is near. Half a step ago they were 2e-9 m in each other as they part now, but on a
+ * straight way farther apart than that by (w h)^2/(8 d) = 1.1e-8 m, for which lists allow (flights.bend). */
+static void check_passing(const char *domain, const char *a, const char *b, enum scree_geometry geometry) {
+    double v[3][3] = {{-0.1, 1.9, 0.0}, {0.1, -1.9, 0.0}, {0.0, 0.0, 1.0}};
+    scree_scene *scene = in_flight(domain, a, b, v);
+    struct scree_contacts *contacts = &scene->contacts;
+    struct scree_bodies *bodies = &scene->bodies;
+    const struct scree_batch *batch = scree_batch_for(contacts, contacts->rule, geometry);
+    struct scree_contact pair[SCREE_LANES];
+    for (int lane = 0; lane < SCREE_LANES; lane++) pair[lane] = scree_contact_at(batch, scree_first(batch));
+    int ball = pair[0].ball, host = pair[0].host;
+    CHECK(batch->count == 1 && bodies->number[ball] < 2 && bodies->number[host] < 2);
+    double closing = -0.2, overlap = 0.5 * closing * scene->step + 2e-9;
+    double side = bodies->state[ball].v[0] > 0.0 ? 1.0 : -1.0, distance = 2.0 * 0.002 - overlap;
+    struct vec apart = scree_apart(bodies, &pair[0], geometry), wanted = vec(side * distance, 0.0, 0.0);
+    vec_store(vec_add(vec_from(bodies->record[ball].x), vec_sub(wanted, apart)), bodies->record[ball].x);
+    bodies->path[ball] = bodies->path[host] = 0.5 * contacts->skin;
+    CHECK(scree_share_of(scree_half_steps_in(overlap, closing, scene->step)) > 0.0);
+    for (int straight = 0; straight < 2; straight++) {
+        if (straight) contacts->flights.bend = 0.0;
+        CHECK(scree_contact_is_near(contacts, bodies, batch, &pair[0]) == !straight);
+        int judged = geometry != SCREE_BALL_BALL || (contacts->loop->judge(contacts, bodies, pair, 1) & 1) == !straight;
+        CHECK(judged);
+    }
+    scree_scene_destroy(scene);
+}
+
+static void test_passing(void) {
+    check_passing("", "position = [0.1, 0.15, 0.15]", "position = [0.1040005, 0.15, 0.15]", SCREE_BALL_BALL);
+    check_passing("[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [\"x\"]\n",
+                  "position = [0.0979998, 0.05, 0.05]", "position = [0.0020002, 0.05, 0.05]", SCREE_BALL_IMAGE);
+}
+
 static const char belt_text[] =
     "[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 1e-4\n[domain]\nmin = [0, -1, -1]\nmax = [0.05, 1, "
     "1]\nperiodic = [\"x\"]\n"
@@ -945,6 +981,7 @@ int main(void) {
     test_periodic_flights();
     test_flights_from_afar();
     test_flight_at_fixed();
+    test_passing();
     test_periodic_drive();
     test_states_of_domains();
     test_bad_domains();
