@@ -119,6 +119,10 @@ scree_status scree_step_watched(struct scree_scene *scene, long steps);
  * that since the last, added up. 0 if there is no memory to reckon it. */
 double scree_books_lack(scree_scene *scene);
 
+/* J turned over since the books are watched (all 0: since the start): the most that moved, or was stored and released,
+ * what contacts took and drives gave. What is stored all the time since then, as in a load at rest, isn't. */
+double scree_turned_over(struct scree_watched *watched, const scree_energy *energy);
+
 /* The share of what was turned over by which the books may be off. */
 extern const double scree_tolerable_gap;
 

@@ -54,9 +54,7 @@ static scree_status begin_watch(scree_scene *scene) {
     return SCREE_OK;
 }
 
-/* What was turned over since: the most that moved, or was stored and released, what contacts took and drives gave.
- * (What is stored all the time, as in a load at rest, isn't turned over.) */
-static double turned_over(struct scree_watched *watched, const scree_energy *energy) {
+double scree_turned_over(struct scree_watched *watched, const scree_energy *energy) {
     watched->motion = fmax(watched->motion, moving(energy));
     watched->least_stored = fmin(watched->least_stored, energy->stored);
     watched->most_stored = fmax(watched->most_stored, energy->stored);
@@ -81,7 +79,7 @@ static int can_judge(const scree_scene *scene) {
 
 /* The share by which they are off; 0 if that is too early or too little to say. */
 static double gap_of(scree_scene *scene, const scree_energy *energy) {
-    double turned = turned_over(&scene->watched, energy), gap = fabs(energy->balance - scene->watched.balance);
+    double turned = scree_turned_over(&scene->watched, energy), gap = fabs(energy->balance - scene->watched.balance);
     return can_judge(scene) && !(gap <= scree_too_little(scene, energy)) ? gap / turned : 0.0;
 }
 

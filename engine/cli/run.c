@@ -42,9 +42,9 @@ struct run {
     int quiet;
     time_t shown;
     scree_effort before; /* what came with a state */
-    /* Energy books, if they are kept: the largest energy so far, and where the balance was worst beside what was turned
-     * over. */
-    double largest, worst, worst_of, worst_time;
+    /* Energy books, if they are kept, since the start; and where the balance was worst beside what was turned over. */
+    struct scree_watched books;
+    double worst, worst_of, worst_time;
     int halvings;   /* told so far */
     int broken_off; /* by a signal, before its end */
 };
@@ -80,9 +80,7 @@ static long next_row(const struct run *run, long last) {
     return last;
 }
 
-/* The worst share by which the books were off. Of a whole run all that moved or was stored at its most counts as turned
- * over, with what contacts took and drives gave; the watch, which begins anew with each halving, is stricter about what
- * is stored (engine/watch.c). */
+/* The worst share by which the books were off. */
 static scree_status watch_books(struct run *run) {
     if (!run->scene->time.energy) return SCREE_OK;
     scree_energy energy;
@@ -91,8 +89,7 @@ static scree_status watch_books(struct run *run) {
         run->trouble = *scree_scene_trouble(run->scene);
         return status;
     }
-    run->largest = fmax(run->largest, energy.kinetic + energy.rotational + energy.stored);
-    double turned = run->largest + energy.lost_normal + energy.lost_tangential + fabs(energy.driven);
+    double turned = scree_turned_over(&run->books, &energy);
     int judge = !(fabs(energy.balance) <= scree_too_little(run->scene, &energy));
     double gap = judge ? fabs(energy.balance) / turned : 0.0;
     if (run->worst_of < 1e-9 * turned) run->worst = 0.0; /* of a motion that was nothing beside this */
