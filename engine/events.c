@@ -19,13 +19,24 @@ static double nothing(const struct scree_scene *scene, const struct scree_grip *
 
 /* ---- switch functions ---- */
 
+/* By how much views at y -+ shift x rates must be put off so that both lie between two breaks of the motions: beyond,
+ * driven bodies stand still. */
+static double put_off(const struct scree_scene *scene, const double *y, const double *rates, double shift) {
+    const struct scree_adaptive *a = scene->adaptive;
+    double now = a->start + y[Y_TIME], way = shift * rates[Y_TIME];
+    if (scene->bodies.motions == 0) return 0.0;
+    if (now - way < a->earliest) return fmin(a->earliest + way - now, way) / rates[Y_TIME];
+    if (now + way > a->limit) return fmax(a->limit - way - now, -way) / rates[Y_TIME];
+    return 0.0;
+}
+
 /* Views a little sooner and later along the motion: at y -+ shift x rates, but for the clock where that is to stay. */
 static void look_along(struct scree_scene *scene, const double *y, const double *rates, double shift, int clock_stays) {
     struct scree_adaptive *a = scene->adaptive;
-    double *elsewhere = a->work.stage;
+    double *elsewhere = a->work.stage, off = put_off(scene, y, rates, shift);
     struct scree_grip_view *now = a->view;
     for (int side = 0; side < 2; side++) {
-        for (size_t i = 0; i < a->work.size; i++) elsewhere[i] = y[i] + (side ? shift : -shift) * rates[i];
+        for (size_t i = 0; i < a->work.size; i++) elsewhere[i] = y[i] + (off + (side ? shift : -shift)) * rates[i];
         if (clock_stays) elsewhere[Y_CLOCK] = y[Y_CLOCK];
         a->view = side ? a->later : a->sooner;
         scree_adaptive_rates(scene, elsewhere, a->work.end);

@@ -872,6 +872,25 @@ static void test_driven_box(void) {
     scree_scene_destroy(scene);
 }
 
+/* A wall that pushes a ball stops shortly before they are closest to each other. What a law remembers of that grows up
+ * to there and no longer, however near the motion's break is: few events, not one at each rounding. */
+static void test_peaks_before_breaks(void) {
+    static const double before[] = {1e-5, 1e-6, 1e-7};
+    for (int k = 0; k < 3; k++) {
+        double closest = 0.5 * acos(-1.0) * sqrt(0.03 / 1e5);
+        char motion[100];
+        snprintf(motion, sizeof motion, "motion=[{name=\"push\", kind=\"velocity\", velocity=0.5, duration=%.17g}]",
+                 closest - before[k]);
+        const char *changes[] = {motion, "body.wall.joint={z=\"push\", others=\"fixed\"}",
+                                 "body.ball.position=[0,0,0.01]", "body.ball.velocity=[0,0,-0.5]",
+                                 "contact.0.normal={law=\"walton-braun\", stiffness=1e5, restitution=0.7}"};
+        scree_scene *scene = adaptive(ball_on_wall, 1e-6, changes, 5);
+        go(scene, 1);
+        CHECK(scree_scene_effort(scene).events < 10);
+        scree_scene_destroy(scene);
+    }
+}
+
 /* ---- rocking ---- */
 
 /* Sliders along x begin stretched. */
@@ -1373,6 +1392,7 @@ int main(void) {
     test_one_model();
     test_slides_for_a_moment();
     test_driven_box();
+    test_peaks_before_breaks();
     test_rocking();
     test_every_law();
     test_refusals();
