@@ -248,14 +248,17 @@ static double slide_switch(const struct scree_grip *grip, int way, const struct 
                            : 1.0;
 }
 
-/* Overlaps below are the last before bodies part, in parts of the scale. */
-static const double SHALLOW = 1e-9;
-
-/* What has let go flies on to the end of its overlap in one step. Where the dashpot goes before the spring does, the
- * force has come back by then: negative. */
-static double returns_at_end(const struct scree_grip *grip, const struct scree_grip_view *view) {
-    struct scree_normal_force f = law_at(grip, SHALLOW * grip->depth, view->closing);
-    return f.elastic + f.damping * view->closing > 0.0 ? -grip->speed : grip->speed;
+/* Positive while a law that is cut lasts: its force over its damping rather than the force, for k d/c + u has no root
+ * of d in it. Of a contact that the law has let go, a step may pass the overlap at which a dashpot that fades lets it
+ * take hold again, and the end: there and beyond, its force just before the end counts. */
+static double lasting(const struct scree_grip *grip, const struct scree_grip_view *view) {
+    double whole = view->whole, damping = view->damping, least = 1e-6 * grip->depth;
+    if (grip->state == SCREE_GRIP_SPENT && view->overlap < least) {
+        struct scree_normal_force f = law_at(grip, least, view->closing);
+        whole = f.elastic + f.damping * view->closing;
+        damping = f.damping;
+    }
+    return whole / (damping + 1e-6 * grip->load / grip->speed);
 }
 
 void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_view *view,
@@ -267,13 +270,11 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
         return;
     }
     values[SCREE_SWITCH_OVERLAP] = view->overlap + grip->reach;
-    /* Where the law is cut, the force over its damping rather than the force: k d/c + u has no root of d in it. */
-    double lasting = view->whole / (view->damping + 1e-6 * grip->load / grip->speed);
     if (grip->state == SCREE_GRIP_SPENT) {
-        values[SCREE_SWITCH_FORCE] = view->overlap > SHALLOW * grip->depth ? -lasting : returns_at_end(grip, view);
+        values[SCREE_SWITCH_FORCE] = -lasting(grip, view);
         return;
     }
-    if (grip->normal->cut) values[SCREE_SWITCH_FORCE] = lasting;
+    if (grip->normal->cut) values[SCREE_SWITCH_FORCE] = lasting(grip, view);
     if (grip->directional) values[SCREE_SWITCH_TURN] = grip->approaching ? view->closing : -view->closing;
     if (!grip->normal->cut && (grip->friction || grip->rolling))
         values[SCREE_SWITCH_PULL] = (grip->pulling ? -view->force : view->force) / grip->load;

@@ -891,6 +891,23 @@ static void test_peaks_before_breaks(void) {
     }
 }
 
+/* The dashpot of "impact" lets go while the ball flies off, fades, and the spring takes hold again: however long the
+ * steps of a ball that nothing pushes are. */
+static void test_takes_hold_again(void) {
+    static const char fading[] = "law=\"impact\", stiffness=1.6e5, damping=50, full=2e-4";
+    const char *changes[] = {"contact.0.normal={law=\"impact\", stiffness=1.6e5, damping=50, full=2e-4}",
+                             "body.ball.position=[0,0,0.0101]", "body.ball.velocity=[0,0,-2]", "body.ball.mass=0.01"};
+    double speed[2];
+    for (int k = 0; k < 2; k++) {
+        scree_scene *scene = adaptive(ball_on_wall, k ? 1e-8 : 1e-12, changes, 4);
+        go(scene, 1);
+        speed[k] = state_of(scene, "ball").velocity[2];
+        show("takes hold", fading, fabs(speed[k] - speed[0]), scree_scene_effort(scene));
+        scree_scene_destroy(scene);
+    }
+    NEAR(speed[1], speed[0], 10.0 * 1e-8 * 2.0);
+}
+
 /* ---- rocking ---- */
 
 /* Sliders along x begin stretched. */
@@ -1393,6 +1410,7 @@ int main(void) {
     test_slides_for_a_moment();
     test_driven_box();
     test_peaks_before_breaks();
+    test_takes_hold_again();
     test_rocking();
     test_every_law();
     test_refusals();
