@@ -420,9 +420,9 @@ enum event { TURNS, ENDS, SLIPS, CROSSES };
 
 /* The contact a little later, whose force is known; only overlap and velocity. */
 static struct scree_pair_instant soon_after(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
-                                            double normal, double time) {
+                                            struct vec force, double time) {
     struct scree_pair_instant next = *at;
-    struct vec pull = vec_add(p->a, mat_apply(&p->give, vec_scale(normal, p->n)));
+    struct vec pull = vec_add(p->a, mat_apply(&p->give, force));
     next.overlap += time * closing_of(p, at);
     next.velocity = vec_axpy(at->velocity, time, pull);
     return next;
@@ -448,13 +448,14 @@ static double gripping(const struct scree_pair_motion *p, const struct scree_pai
     if (!(at->sliding > 0.0)) return scree_hold_on(p->friction, p->friction_law, sliding, at->inside).holds - bears;
     if (!p->bare) return bears - drawn.limit;
     const double soon = 1e-5 * p->step;
-    struct scree_pair_instant later = soon_after(p, at, load.normal, soon);
+    struct vec along = vec_axpy(drawn.stretch, 1e-12 * p->step, drawn.slip); /* no stretch yet at the very begin */
+    along = vec_scale(1.0 / (vec_norm(along) + SCREE_NO_SPEED), along);
+    struct scree_pair_instant later = soon_after(p, at, vec_axpy(load.force, -drawn.limit, along), soon);
     int in_stretch = goes_by_stretch(p, at, load.normal, 0.0);
     scree_pair_press(p, &later, &load);
     struct scree_drawn next = brace(p, &later, load.normal);
     double growth = (next.limit / (in_stretch ? next.k : drawn.k) - drawn.limit / drawn.k) / soon;
-    struct vec towards = vec_axpy(drawn.stretch, 1e-12 * p->step, drawn.slip); /* no stretch yet at the very begin */
-    return vec_dot(drawn.slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED) - growth;
+    return vec_dot(drawn.slip, along) - growth;
 }
 
 /* Of a slider whose hold jumps at a speed: how far it is from there, m/s. */
