@@ -30,7 +30,8 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
                                     : m < SCREE_KEPT_ROLLING ? scree_normal_laws[rules[rule].normal]->memory
                                                              : rolling && rolling->memory);
             batch->corners = geometry == SCREE_BALL_IMAGE || geometry == SCREE_EDGE_EDGE;
-            batch->turns = law || rolling || geometry == SCREE_BALL_BOX || geometry == SCREE_EDGE_EDGE;
+            batch->turns = law || rolling || geometry == SCREE_BALL_BOX || geometry == SCREE_BALL_RECTANGLE ||
+                           geometry == SCREE_EDGE_EDGE;
             batch->slope = law ? law->slope(&rules[rule].friction_constants) : 0.0;
             if (rolling) batch->slope += rolling->slope(&rules[rule].rolling_constants);
             contacts->batch_of[rule * SCREE_GEOMETRIES + geometry] = contacts->batches++;
