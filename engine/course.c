@@ -259,10 +259,10 @@ static void drop_clock(struct scree_scene *scene, struct course *c) {
     c->fresh = 1;
 }
 
-/* A step that was tried: `whole` long, or `h` up to the first event in it, in the variable of the step; s; the error
- * of all of it in parts of what is tolerable. */
+/* A step that was tried. */
 struct trial {
-    double whole, h, time, error;
+    double whole, h;    /* in the variable of the step; up to the first event in it */
+    double time, error; /* of the whole: s; in parts of what is tolerable */
     struct scree_event event;
     int tries;
 };

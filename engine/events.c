@@ -195,8 +195,12 @@ static double locate(struct scree_scene *scene, struct scree_event event, double
 
 /* ---- what both ends of a step don't show ---- */
 
-static int grips(const struct scree_grip *grip, int way) {
-    return grip->state == SCREE_GRIP_HELD && scree_grip_may_slip(grip, way);
+/* Whether a switch function may fall below zero for a moment: a slider may slide, or hold; a law that is cut may let go
+ * if it changes its formula on the way. */
+static int may_dip(const struct scree_grip *grip, int which) {
+    if (grip->state != SCREE_GRIP_HELD) return 0;
+    if (which == SCREE_SWITCH_FORCE) return grip->normal->cut && grip->normal->bends;
+    return which >= SCREE_SWITCH_SLIDE && scree_grip_may_slip(grip, which - SCREE_SWITCH_SLIDE);
 }
 
 /* Where the parabola through values at the begin, the middle and the end is least, as a share of the step, if that is
@@ -215,11 +219,10 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     struct scree_grip_view *end = a->view;
     double *middle = a->work.k[1], *rates = a->work.k[2], soonest = 1.0; /* stages are done with */
     int any = 0, slips = 0;
-    for (int k = 0; k < a->grips; k++)
-        for (int way = 0; way < SCREE_GRIP_WAYS; way++) {
-            any |= grips(&a->grip[k], way);
-            slips |= a->grip[k].slips[way];
-        }
+    for (int k = 0; k < a->grips; k++) {
+        for (int w = 0; w < SCREE_SWITCHES; w++) any |= may_dip(&a->grip[k], w);
+        for (int way = 0; way < SCREE_GRIP_WAYS; way++) slips |= a->grip[k].slips[way];
+    }
     if (!any) return 0.0;
     for (size_t i = 0; i < a->work.size; i++)
         middle[i] = 0.5 * (a->y[i] + a->arrived[i]) + 0.125 * h * (a->work.k[0][i] - a->next[i]);
@@ -230,8 +233,8 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
         double value[SCREE_SWITCHES], small = nothing(scene, &a->grip[k], SCREE_SWITCH_SLIDE);
         if (a->grip[k].state != SCREE_GRIP_HELD) continue; /* the halfway view has only those */
         switches_of(a, k, apart, value);
-        for (int way = 0, w = SCREE_SWITCH_SLIDE; way < SCREE_GRIP_WAYS; way++, w++)
-            if (grips(&a->grip[k], way))
+        for (int w = 0; w < SCREE_SWITCHES; w++)
+            if (may_dip(&a->grip[k], w))
                 soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w], small));
     }
     a->view = end;

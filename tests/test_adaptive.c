@@ -910,6 +910,33 @@ static void test_peaks_before_breaks(void) {
     }
 }
 
+/* `impact` lets go for a short while within a long step of a contact that nothing else is told of. */
+static void test_lets_go_shortly(void) {
+    static const struct {
+        const char *normal, *velocity;
+        double speed, tolerance;
+    } impacts[] = {
+        {"law=\"impact\", stiffness=110682.6399761637, damping=55.830869068528486, full=2.4080024501298438e-4",
+         "[0,0,-1.9060266620430812]", 1.906, 1e-5},
+        {"law=\"impact\", stiffness=148647.26913025236, damping=20.572876436101843, full=3.0632169654791816e-4",
+         "[0,0,-3.730677791730843]", 3.73, 1e-9}};
+    for (int k = 0; k < 2; k++) {
+        char press[120], velocity[80];
+        snprintf(press, sizeof press, "contact.0.normal={%s}", impacts[k].normal);
+        snprintf(velocity, sizeof velocity, "body.ball.velocity=%s", impacts[k].velocity);
+        const char *changes[] = {press, velocity, "body.ball.position=[0,0,0.0101]", "body.ball.mass=0.01",
+                                 "time.end=2e-3"};
+        double speed[2];
+        for (int t = 0; t < 2; t++) {
+            scree_scene *scene = adaptive(ball_on_wall, t ? impacts[k].tolerance : 1e-13, changes, 5);
+            go(scene, 1);
+            speed[t] = state_of(scene, "ball").velocity[2];
+            scree_scene_destroy(scene);
+        }
+        NEAR(speed[1], speed[0], 100.0 * impacts[k].tolerance * impacts[k].speed);
+    }
+}
+
 /* ---- rocking ---- */
 
 /* Sliders along x begin stretched. */
@@ -1412,6 +1439,7 @@ int main(void) {
     test_slides_for_a_moment();
     test_driven_box();
     test_swinging_plate();
+    test_lets_go_shortly();
     test_peaks_before_breaks();
     test_rocking();
     test_every_law();
