@@ -132,8 +132,8 @@ struct scree_batch {
     int rule;   /* index of the laws */
     int memory; /* how many numbers of each contact laws may keep, from the first on; of those that no law
                       asks for there is no column */
-    int turns;  /* all contacts can turn bodies: friction, rolling, or a box or a rectangle as partner; else only those
-                   of  corners */
+    int turns;  /* all contacts can turn bodies: friction, rolling, a box or a rectangle as partner; else only those of
+                   corners */
     int any_turns;              /* some do */
     double slope;               /* of friction and rolling laws, s/m; 0 if none is regularised by velocity */
     int uniform;                /* one set of pair constants serves all (one block of them is made) */

@@ -207,18 +207,9 @@ static void finish_slider(const struct scree_pair_motion *p, const struct stages
     if (p->friction->in_force && s->in_stretch) end->stretch = vec_scale(drawn.k, end->stretch);
 }
 
-/* A number, or a vector, of the four stages at a quarter (0) or three quarters (1) of the step in its variable: on the
- * parabola through its ends and its middle. */
-static double between_stages(double first, double second, double third, double fourth, int late) {
-    double inner = second + third, near = late ? fourth : first, away = late ? first : fourth;
-    return 0.125 * (3.0 * near + 3.0 * inner - away);
-}
-
-static struct vec between(const struct stages *s, int late) {
-    struct vec inner = vec_add(s->at[1].velocity, s->at[2].velocity);
-    struct vec near = s->at[late ? 3 : 0].velocity, away = s->at[late ? 0 : 3].velocity;
-    return vec_scale(0.125, vec_sub(vec_scale(3.0, vec_add(near, inner)), away));
-}
+/* Of the four stages, at a quarter and at three quarters of the step in its variable: on the parabola through its ends
+ * and its middle. */
+static const double at_quarter[2][4] = {{0.375, 0.375, 0.375, -0.125}, {-0.125, 0.375, 0.375, 0.375}};
 
 /* Bristles through a step of length `time`, by their own rule in two halves; the stages tell how they are dragged. At
  * an instant they may be anywhere around where they settle, if that is stiff: what they bear on an average takes the
@@ -230,11 +221,13 @@ static struct scree_pair_yield bend_through(const struct scree_pair_motion *p, s
     double left = time;
     for (int late = 0; late < 2; late++) {
         double part = late ? time - s->time[1] : s->time[1];
-        struct scree_pair_instant at = now;
-        const struct scree_pair_load *load = s->load;
-        at.velocity = between(s, late);
-        at.overlap = between_stages(s->at[0].overlap, s->at[1].overlap, s->at[2].overlap, s->at[3].overlap, late);
-        double normal = between_stages(load[0].normal, load[1].normal, load[2].normal, load[3].normal, late);
+        struct scree_pair_instant at = {.overlap = 0.0};
+        double normal = 0.0;
+        for (int k = 0; k < 4; k++) {
+            at.overlap += at_quarter[late][k] * s->at[k].overlap;
+            at.velocity = vec_axpy(at.velocity, at_quarter[late][k], s->at[k].velocity);
+            normal += at_quarter[late][k] * s->load[k].normal;
+        }
         struct vec bears = drag(p, &now, &at, normal, part, &now);
         sum.impulse = vec_axpy(sum.impulse, part, bears);
         sum.moment = vec_axpy(sum.moment, part * (left - 0.5 * part), bears);
