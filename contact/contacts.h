@@ -91,6 +91,11 @@ struct scree_moments {
     double impulse[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES]; /* N s^2, N m s^2 */
 };
 
+/* From … to, both included; none: INT_MAX … -1. */
+struct scree_span {
+    int least, most;
+};
+
 /* Part of a batch's list: near contacts first … first + count - 1, out of the outer list's. Segment 0 holds what isn't
  * of one slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): its contacts touch bodies of slabs s and
  * s + 1 only. */
@@ -98,6 +103,7 @@ struct scree_part {
     int first, count, capacity;
     int outer_count;                  /* contacts in its outer list; */
     int codes_first, codes;           /* of a slab: where its codes begin in the batch's, and how many they are */
+    struct scree_span reach[2];       /* how far its partners lie behind who comes first: in the slab, in the next */
     int last;                         /* whose partners have been named last, while the list is made */
     int stirring_first, stirring_end; /* those that aren't still, in the batch's list of them (rest.h) */
 };

@@ -3,6 +3,7 @@
 
 #include "contact/meet.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -103,14 +104,20 @@ static void put_code(struct scree_batch *batch, struct scree_part *segment, int 
     segment->codes++;
 }
 
-/* Bodies come in their order, and so do their partners. */
-static void encode(struct scree_batch *batch, struct scree_part *segment, const struct scree_contact *contact,
+static void widen(struct scree_span *span, int way) {
+    if (way < span->least) span->least = way;
+    if (way > span->most) span->most = way;
+}
+
+/* Bodies come in their order, and so do their partners. `next`: where the next slab begins. */
+static void encode(struct scree_batch *batch, struct scree_part *segment, const struct scree_contact *contact, int next,
                    int pass) {
     int swap = contact->host < contact->ball, first = swap ? contact->host : contact->ball;
     int partner = swap ? contact->ball : contact->host;
     if (segment->last != first) put_code(batch, segment, ~first, pass);
     segment->last = first;
     put_code(batch, segment, 2 * partner + swap, pass);
+    widen(&segment->reach[partner >= next], partner - first);
 }
 
 static void take(struct scree_contacts *contacts, const struct scree_bodies *bodies, struct scree_batch *batch,
@@ -121,7 +128,7 @@ static void take(struct scree_contacts *contacts, const struct scree_bodies *bod
         contacts->has_loose[contact->ball < contact->host ? contact->ball : contact->host] = 1;
     if (!(pass & (s > 0 ? OF_SLABS : LOOSE))) return;
     if (pass & FILL && s == 0) batch->loose[segment->outer_count] = *contact;
-    if (s > 0) encode(batch, segment, contact, pass);
+    if (s > 0) encode(batch, segment, contact, bodies->order.start[s], pass);
     if (!batch->any_turns && scree_contact_turns(batch, contact)) batch->any_turns = 1;
     if (contact->corner != 0) batch->corners = 1; /* of segment 0: in the pass that is nobody else's */
     segment->outer_count++;
@@ -271,6 +278,7 @@ static void take_all(struct scree_contacts *contacts, const struct scree_bodies 
             struct scree_part *segment = &contacts->batch[b].segment[s];
             segment->outer_count = segment->codes = 0;
             segment->last = -1;
+            segment->reach[0] = segment->reach[1] = (struct scree_span){INT_MAX, -1};
         }
     }
     take_some(contacts, bodies, 0, members, pass | OF_SLABS | LOOSE);
@@ -417,8 +425,8 @@ static int grant(struct scree_contacts *contacts, const struct scree_bodies *bod
 }
 
 /* Before all bodies get new margins: how long these are to last. Where bodies fly, near lists look ahead over as many
- * steps. A list costs as much as some hundred answers to single bodies (widen.c), each of which looks through two
- * slabs; by the time so many have asked, the others' margins have served. */
+ * steps. A list costs as much as some hundred answers to single bodies (widen.c); by the time so many have asked,
+ * the others' margins have served. */
 enum { ANSWERS_PER_SLAB = 10 };
 static void begin_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     struct scree_flights *flights = &contacts->flights;

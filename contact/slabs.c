@@ -311,8 +311,11 @@ static void share_slabs(struct slabs *all, struct share own) {
     }
 }
 
-static void act_slabs(struct slabs *all) {
+/* A region always has all threads, also those that have no part in it: the runtime would end them, and begin them anew
+ * for the next one. */
+static void act_slabs(struct slabs *all, int threads) {
     int team = all->team;
+    (void)threads; /* without OpenMP */
     for (int slab = 0; slab < all->slabs; slab++) {
         atomic_init(&all->state[slab], FREE);
         atomic_init(&all->front[slab].own, 0);
@@ -321,7 +324,7 @@ static void act_slabs(struct slabs *all) {
     if (team > 1) {
         all->before[0] = 0.0;
         for (int slab = 0; slab < all->slabs; slab++) all->before[slab + 1] = all->before[slab] + weight_of(all, slab);
-#pragma omp parallel for schedule(static) num_threads(team)
+#pragma omp parallel for schedule(static) num_threads(threads)
         for (int thread = 0; thread < team; thread++)
             share_slabs(all, (struct share){begin_of(all, thread), begin_of(all, thread + 1)});
     } else {
@@ -350,7 +353,7 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
                         .state = state,
                         .front = front,
                         .team = threads < stretches ? threads : stretches};
-    act_slabs(&all);
+    act_slabs(&all, threads);
     add_tallies(contacts, bodies);
     for (int s = 1; s <= slabs; s++) too_far |= contacts->tally[s].too_far;
     return too_far;

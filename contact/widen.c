@@ -1,5 +1,5 @@
 /* Bodies that ask for a list before the others do are answered alone: each gets a new margin, and what comes near by it
- * is put into the near lists. That costs a look through the outer contacts of two slabs. */
+ * is put into the near lists. That costs a look through those outer contacts of two slabs that reach as far as it. */
 #include "contact/columns.h"
 
 #include <string.h>
@@ -122,25 +122,43 @@ static scree_status add_loose(struct scree_contacts *contacts, const struct scre
 
 static inline int names(int code, int body) { return (code >> 1 == body) | (code == ~body); }
 
-/* The first code from `from` on that names a body; `count` if none does. */
-static int find(const int *code, int from, int count, int body) {
+/* The first code from `from` on that names a body; `end` if none does before. */
+static int find(const int *code, int from, int end, int body) {
     enum { BLOCK = 32 }; /* looked over at once */
-    for (int some = 0; from + BLOCK <= count; from += BLOCK) {
+    for (int some = 0; from + BLOCK <= end; from += BLOCK) {
         for (int k = from; k < from + BLOCK; k++) some |= names(code[k], body);
         if (some) break;
     }
-    while (from < count && !names(code[from], body)) from++;
+    while (from < end && !names(code[from], body)) from++;
     return from;
 }
 
-/* Contacts of a body in the outer list of a slab's segment: it comes first, and its partners follow, or it is
- * somebody's partner. */
+/* Where the codes begin of the first body from `first` on that comes first in contacts. */
+static int begin_of(const int *code, int count, int first) {
+    int low = 0, high = count;
+    while (low < high) {
+        int middle = low + (high - low) / 2, begin = middle;
+        while (code[begin] >= 0) begin--;
+        if (~code[begin] >= first)
+            high = begin;
+        else
+            for (low = middle + 1; low < high && code[low] >= 0;) low++;
+    }
+    return low;
+}
+
+/* Contacts of a body in the outer list of a slab's segment: it comes first, and its partners follow, or it is the
+ * partner of somebody within reach. */
 static scree_status add_of_segment(struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                    struct scree_batch *batch, int s, int body, scree_trouble *trouble) {
-    const int *code = batch->code + batch->segment[s].codes_first;
-    int count = batch->segment[s].codes;
+    const struct scree_part *segment = &batch->segment[s];
+    const int *code = batch->code + segment->codes_first;
+    int in_next = body >= bodies->order.start[s];
+    struct scree_span reach = segment->reach[in_next];
+    int from = begin_of(code, segment->codes, body - (reach.most > 0 ? reach.most : 0));
+    int end = begin_of(code, segment->codes, in_next ? body - reach.least + 1 : body + 1);
     scree_status status = SCREE_OK;
-    for (int k = find(code, 0, count, body); k < count && !status; k = find(code, k, count, body)) {
+    for (int k = find(code, from, end, body); k < end && !status; k = find(code, k, end, body)) {
         int first = k, leads = code[k] < 0;
         while (code[first] >= 0) first--;
         struct scree_outer outer = {NULL, code + k + leads, ~code[first]};
@@ -148,7 +166,7 @@ static scree_status add_of_segment(struct scree_contacts *contacts, const struct
             struct scree_contact contact = scree_next_outer(&outer);
             status = add(contacts, bodies, batch, s, &contact, trouble);
             k = (int)(outer.code - code);
-        } while (leads && k < count && code[k] >= 0 && !status);
+        } while (leads && k < end && code[k] >= 0 && !status);
     }
     return status;
 }
