@@ -332,6 +332,15 @@ static void act_slabs(struct slabs *all, int threads) {
     }
 }
 
+/* More threads than that only wait, and their looking for work holds up the others: than slabs, or where these have few
+ * strips, so that none is soon free to follow, than stretches. */
+static int most_threads(const struct slabs *all) {
+    enum { FEW_STRIPS = 4 };
+    int members = all->bodies->order.start[1] - all->bodies->order.start[0];
+    int follow = !goes_whole(all) && members > FEW_STRIPS * SCREE_LEAST_STRIP;
+    return follow ? all->slabs : (all->slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
+}
+
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go) {
     int slabs = bodies->order.slabs, too_far = 0;
@@ -340,8 +349,6 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
         front[SCREE_SLABS]; /* as many as there are slabs are set: to clear all takes as long as some contacts */
     atomic_char state[SCREE_SLABS];
     double before[SCREE_SLABS + 1];
-    /* More threads than stretches only wait, and their looking for work holds up the others. */
-    int stretches = (slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
     struct slabs all = {.contacts = contacts,
                         .bodies = bodies,
                         .step = step,
@@ -351,8 +358,9 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
                         .slabs = slabs,
                         .before = before,
                         .state = state,
-                        .front = front,
-                        .team = threads < stretches ? threads : stretches};
+                        .front = front};
+    int most = most_threads(&all);
+    all.team = threads < most ? threads : most;
     act_slabs(&all, threads);
     add_tallies(contacts, bodies);
     for (int s = 1; s <= slabs; s++) too_far |= contacts->tally[s].too_far;
