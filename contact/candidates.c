@@ -33,6 +33,7 @@ struct grids {
     int highest;
     struct occupant *occupant;
     int *start;
+    int *seat;       /* [place of a body]: its cell's place, then where it is among the occupants */
     uint32_t places; /* a power of two */
     unsigned char *level;
 };
@@ -57,15 +58,16 @@ static scree_status make_grids(struct scree_contacts *contacts, size_t bodies, s
                                scree_trouble *trouble) {
     size_t places = 16;
     while (places < bodies) places *= 2;
-    size_t size = bodies * (sizeof(struct occupant) + 1) + (places + 2) * sizeof(int);
+    size_t size = bodies * (sizeof(struct occupant) + sizeof(int) + 1) + (places + 2) * sizeof(int);
     scree_status status = scree_make_space(&contacts->rough, size, trouble);
     if (status) return status;
     struct occupant *occupant = contacts->rough.memory;
-    int *start = (int *)(occupant + bodies);
+    int *start = (int *)(occupant + bodies), *seat = start + places + 2;
     *grids = (struct grids){.occupant = occupant,
                             .start = start,
+                            .seat = seat,
                             .places = (uint32_t)places,
-                            .level = (unsigned char *)(start + places + 2)};
+                            .level = (unsigned char *)(seat + bodies)};
     return SCREE_OK;
 }
 
@@ -155,23 +157,30 @@ static uint32_t column_at(const struct scree_bodies *bodies, const struct grids 
     return column;
 }
 
-/* By place, and there by number: a count of each place gives its start. */
-static void fill_cells(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct grids *grids) {
-    int *start = grids->start;
-    uint32_t place;
-    double at[3];
-    memset(start, 0, ((size_t)grids->places + 2) * sizeof *start);
+/* By place, and there by number: a count of each place gives its start. What takes long is shared. */
+static void fill_cells(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct grids *grids,
+                       int threads) {
+    int *start = grids->start, *seat = grids->seat;
+    (void)threads; /* without OpenMP */
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int k = 0; k < bodies->count; k++) {
-        if (!is_bounded(bodies, k)) continue;
-        column_at(bodies, grids, k, at, &place);
-        start[place + 2]++;
+        uint32_t place = 0;
+        double at[3];
+        if (is_bounded(bodies, k)) column_at(bodies, grids, k, at, &place);
+        seat[k] = (int)place;
     }
+    memset(start, 0, ((size_t)grids->places + 2) * sizeof *start);
+    for (int k = 0; k < bodies->count; k++) start[seat[k] + 2] += is_bounded(bodies, k);
     for (size_t p = 0; p < grids->places; p++) start[p + 2] += start[p + 1];
+    for (int k = 0; k < bodies->count; k++)
+        if (is_bounded(bodies, k)) seat[k] = start[seat[k] + 1]++; /* so each start becomes an end */
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
     for (int k = 0; k < bodies->count; k++) {
+        uint32_t place;
+        double at[3], size = cell_size(grids, grids->level[k]);
         if (!is_bounded(bodies, k)) continue;
         uint32_t column = column_at(bodies, grids, k, at, &place);
-        struct occupant *one = &grids->occupant[start[place + 1]++]; /* so each start becomes an end */
-        double size = cell_size(grids, grids->level[k]);
+        struct occupant *one = &grids->occupant[seat[k]];
         *one = (struct occupant){column, k, {0}, (uint16_t)parts_of(range_of(contacts, bodies, k), size)};
         find_parts(at, size, one->at);
     }
@@ -398,25 +407,51 @@ static void place_partners(const struct scree_contacts *contacts, int *start, in
     }
 }
 
+/* Each body's partners in order, and those of a part side by side from where they began; returns how many. */
+static int order_part(struct scree_contacts *contacts, const struct scree_bodies *bodies, int part, int begin) {
+    int kept = begin;
+    for (int k = scree_part_begin(bodies, part), first = begin; k < scree_part_begin(bodies, part + 1); k++) {
+        int end = contacts->end[k];
+        contacts->end[k] = kept = order_partners(contacts->partner, first, end, kept);
+        first = end;
+    }
+    return kept - begin;
+}
+
+static int order_all(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads) {
+    int begin[SCREE_PARTS], count[SCREE_PARTS], kept = 0;
+    (void)threads; /* without OpenMP */
+    for (int part = 0; part < SCREE_PARTS; part++) {
+        int first = scree_part_begin(bodies, part);
+        begin[part] = first > 0 ? contacts->end[first - 1] : 0;
+    }
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int part = 0; part < SCREE_PARTS; part++) count[part] = order_part(contacts, bodies, part, begin[part]);
+    for (int part = 0; part < SCREE_PARTS; kept += count[part++]) {
+        if (begin[part] == kept) continue; /* some before were found twice */
+        memmove(contacts->partner + kept, contacts->partner + begin[part], (size_t)count[part] * sizeof(int));
+        for (int k = scree_part_begin(bodies, part); k < scree_part_begin(bodies, part + 1); k++)
+            contacts->end[k] -= begin[part] - kept;
+    }
+    return kept;
+}
+
 /* By (i, j): a count of each i gives its place. The cells have done their duty. */
-static scree_status sort_pairs(struct scree_contacts *contacts, size_t bodies, scree_trouble *trouble) {
-    size_t all = 0;
+static scree_status sort_pairs(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                               scree_trouble *trouble) {
+    size_t all = 0, count = (size_t)bodies->count;
     for (int part = 0; part < SCREE_PARTS; part++) all += (size_t)contacts->found[part].partners;
     contacts->pairs = 0;
     if (all > INT_MAX) return scree_report(trouble, SCREE_NO_MEMORY, NULL, "%zu pairs are too many", all);
-    scree_status status = scree_make_space(&contacts->rough, (bodies + 1 + all) * sizeof(int), trouble);
+    scree_status status = scree_make_space(&contacts->rough, (count + 1 + all) * sizeof(int), trouble);
     if (status) return status;
-    int *start = contacts->end = contacts->rough.memory, *partner = contacts->partner = start + bodies + 1, kept = 0;
-    for (size_t k = 0; k <= bodies; k++) start[k] = 0;
+    int *start = contacts->end = contacts->rough.memory;
+    contacts->partner = start + count + 1;
+    for (size_t k = 0; k <= count; k++) start[k] = 0;
     count_partners(contacts, start);
-    for (size_t k = 0; k < bodies; k++) start[k + 1] += start[k];
-    place_partners(contacts, start, partner);
-    for (size_t k = 0, first = 0; k < bodies; k++) {
-        int end = contacts->end[k];
-        contacts->end[k] = kept = order_partners(partner, (int)first, end, kept);
-        first = (size_t)end;
-    }
-    contacts->pairs = kept;
+    for (size_t k = 0; k < count; k++) start[k + 1] += start[k];
+    place_partners(contacts, start, contacts->partner);
+    contacts->pairs = order_all(contacts, bodies, threads);
     return SCREE_OK;
 }
 
@@ -467,7 +502,7 @@ scree_status scree_candidates(struct scree_contacts *contacts, const struct scre
     scree_status status = make_grids(contacts, (size_t)bodies->count, &grids, trouble);
     if (status) return status;
     choose_levels(contacts, bodies, &grids);
-    fill_cells(contacts, bodies, &grids);
+    fill_cells(contacts, bodies, &grids, threads);
     contacts->planes = 0;
     for (int k = 0; k < bodies->count; k++)
         if (!is_bounded(bodies, k)) contacts->plane[contacts->planes++] = k;
@@ -476,5 +511,5 @@ scree_status scree_candidates(struct scree_contacts *contacts, const struct scre
         if (status) return status;
         search(contacts, bodies, &grids, threads);
     }
-    return sort_pairs(contacts, (size_t)bodies->count, trouble);
+    return sort_pairs(contacts, bodies, threads, trouble);
 }

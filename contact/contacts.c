@@ -19,7 +19,7 @@ static scree_status make_batches(struct scree_contacts *contacts, const struct s
         for (int geometry = 0; geometry < SCREE_GEOMETRIES; geometry++) {
             struct scree_batch *batch = &contacts->batch[contacts->batches];
             batch->geometry = (enum scree_geometry)geometry;
-            batch->segment = calloc(SCREE_SEGMENTS, sizeof *batch->segment);
+            batch->segment = scree_memory(SCREE_SEGMENTS * sizeof *batch->segment);
             if (!batch->segment) return SCREE_NO_MEMORY;
             batch->rule = rule;
             int keeps = scree_normal_laws[rules[rule].normal]->memory || (law && law->memory);
@@ -84,7 +84,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
         scree_memory_free(batch->ends);
         scree_memory_free(batch->corner);
         scree_memory_free(batch->yield);
-        free(batch->segment);
+        scree_memory_free(batch->segment);
         scree_memory_free(batch->moments);
         for (int m = 0; m < SCREE_PAIR_COLUMNS; m++) scree_memory_free(batch->pair[m]);
         for (int m = 0; m < SCREE_MEMORY; m++) scree_memory_free(batch->kept[m]);

@@ -98,9 +98,10 @@ struct scree_span {
 
 /* Part of a batch's list: near contacts first … first + count - 1, out of the outer list's. Segment 0 holds what isn't
  * of one slab; segment 1 + s belongs to slab s of the bodies (bodies/order.c): its contacts touch bodies of slabs s and
- * s + 1 only. */
+ * s + 1 only. A line of cache each: lists of several are made at once. */
 struct scree_part {
-    int first, count, capacity;
+    _Alignas(64) int first;
+    int count, capacity;
     int outer_count;                  /* contacts in its outer list; */
     int codes_first, codes;           /* of a slab: where its codes begin in the batch's, and how many they are */
     struct scree_span reach[2];       /* how far its partners lie behind who comes first: in the slab, in the next */

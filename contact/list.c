@@ -484,17 +484,30 @@ static struct scree_contact first_outer(const struct scree_batch *batch) {
     return scree_next_outer(&outer);
 }
 
+/* Whether the constants of a pair would be the same with other bodies. */
+static int are_alike(const struct scree_record *a, const struct scree_record *b) {
+    return a->radius == b->radius && a->inverse_mass == b->inverse_mass;
+}
+
+/* All contacts are of members, and these are alike. */
+static int is_of_alike_members(const struct scree_bodies *bodies, const struct scree_batch *batch) {
+    const struct scree_record *first = &bodies->record[bodies->order.members];
+    int unlike = batch->geometry != SCREE_BALL_BALL || batch->segment[0].outer_count > 0;
+    for (int k = bodies->order.members; k < bodies->count && !unlike; k++)
+        unlike = !are_alike(&bodies->record[k], first);
+    return !unlike;
+}
+
 /* What the constants of a pair depend on is the same for all contacts. */
 static int is_uniform(const struct scree_bodies *bodies, const struct scree_batch *batch) {
+    if (is_of_alike_members(bodies, batch)) return 1;
     struct scree_contact first = first_outer(batch);
-    const struct scree_record *a = &bodies->record[first.ball], *b = &bodies->record[first.host];
     for (int s = 0; s <= bodies->order.slabs; s++) {
         struct scree_outer outer = scree_outer_of(batch, s);
         for (int k = 0; k < batch->segment[s].outer_count; k++) {
             struct scree_contact one = scree_next_outer(&outer);
-            const struct scree_record *c = &bodies->record[one.ball], *d = &bodies->record[one.host];
-            if (a->radius != c->radius || a->inverse_mass != c->inverse_mass || b->radius != d->radius ||
-                b->inverse_mass != d->inverse_mass)
+            if (!are_alike(&bodies->record[one.ball], &bodies->record[first.ball]) ||
+                !are_alike(&bodies->record[one.host], &bodies->record[first.host]))
                 return 0;
         }
     }
