@@ -2,6 +2,7 @@
 #include "bodies/memory.h"
 #include "tests/scenes.h"
 
+#include <dirent.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -317,6 +318,44 @@ static void test_gates(void) {
         }
     }
     CHECK(strips > 40 * 20 && contacts->renewals > renewed && contacts->answers > answered);
+    scree_scene_destroy(scene);
+}
+
+/* The process's threads, by what the system calls them; none where it doesn't tell. */
+static int find_threads(long *thread, int most) {
+    DIR *all = opendir("/proc/self/task");
+    int count = 0;
+    for (struct dirent *entry; all && (entry = readdir(all));)
+        if (entry->d_name[0] != '.' && count < most) thread[count++] = strtol(entry->d_name, NULL, 10);
+    if (all) closedir(all);
+    return count;
+}
+
+/* All parallel regions have the same threads, also where slabs are too few for them: the runtime would end those that
+ * aren't needed, and begin others for the next region. */
+static void test_threads_stay(void) {
+    enum { THREADS = 24, MOST = 256 };
+    scree_scene *scene = scene_from(
+        "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
+        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
+        "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
+        "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.0125\njitter = 1e-4\n"
+        "min = [0, 0, 0]\nmax = [0.26, 0.126, 0.126]\nmaterial = \"ball\"\nseed = 3\n",
+        NULL, 0, THREADS);
+    const struct scree_bodies *bodies = &scene->bodies;
+    const struct scree_contacts *contacts = &scene->contacts;
+    uint64_t seed = 5;
+    for (int k = bodies->order.members; k < bodies->count; k++)
+        check_draw(&seed, -2.0, 2.0, 3, scene->bodies.state[k].v);
+    go(scene, 20);
+    long before[MOST], after[MOST], answered = contacts->answers, renewed = contacts->renewals;
+    int count = find_threads(before, MOST), same = 0;
+    go(scene, 200);
+    CHECK(find_threads(after, MOST) == count && count < MOST);
+    for (int k = 0; k < count; k++)
+        for (int m = 0; m < count; m++) same += after[k] == before[m];
+    CHECK(same == count);
+    CHECK(bodies->order.slabs < THREADS && contacts->answers > answered && contacts->renewals > renewed);
     scree_scene_destroy(scene);
 }
 
@@ -757,6 +796,7 @@ int main(void) {
     test_same_bits(pair_impulse, 2, 0);
     test_one_size();
     test_gates();
+    test_threads_stay();
     test_held_beyond_margins();
     test_strays();
     test_flights();
