@@ -182,6 +182,9 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
         double size = vec_norm(trial);
         d.force = vec_scale(-s->hold.slides / (size + SCREE_NO_SPEED), trial);
         d.rate = vec_axpy(vec_scale(-unit / s->c, vec_add(d.force, d.elastic)), s->falls, memory);
+    } else if (!(s->hold.slides > 0.0)) { /* it bears nothing, whichever way it is stretched: towards the slip */
+        d.elastic = vec(0.0, 0.0, 0.0);
+        d.grows = s->k * vec_norm(v);
     } else {
         struct vec towards = scree_direction_of(memory, v);
         double along = vec_dot(v, towards);

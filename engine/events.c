@@ -204,14 +204,16 @@ static int may_dip(const struct scree_grip *grip, int which) {
 }
 
 /* Where the parabola through values at the begin, the middle and the end is least, as a share of the step, if that is
- * inside, and below zero (by more than `small`) or less than a fifth of either end; 1: it isn't. What is next to
- * nothing at an end isn't looked into, unless it is below zero in between. A step that is cut there makes the parabola
- * of the next one a better one. */
+ * inside, and below zero (by more than `small`) or little: less than a fifth of either end, or than a twentieth of the
+ * larger one, since by as much the parabola may be wrong; 1: it isn't. What is next to nothing at an end isn't looked
+ * into, unless it is below zero in between. A step that is cut there makes the parabola of the next one a better one.
+ */
 static double dips_at(double begin, double middle, double end, double small) {
     double slope = 4.0 * middle - 3.0 * begin - end, bend = 2.0 * (begin + end - 2.0 * middle);
     double at = bend > 0.0 ? -0.5 * slope / bend : 0.0, least = begin + 0.5 * slope * at, ends = fmin(begin, end);
+    double little = fmax(0.2 * ends, 0.05 * fmax(begin, end));
     if (!(at > 0.0 && at < 1.0)) return 1.0;
-    return least < -small || (ends >= 1e-6 && least < 0.2 * ends) ? at : 1.0;
+    return least < -small || (ends >= 1e-6 && least < little) ? at : 1.0;
 }
 
 double scree_adaptive_doubt(struct scree_scene *scene, double h) {
