@@ -235,9 +235,13 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
         double value[SCREE_SWITCHES], small = nothing(scene, &a->grip[k], SCREE_SWITCH_SLIDE);
         if (a->grip[k].state != SCREE_GRIP_HELD) continue; /* the halfway view has only those */
         switches_of(a, k, apart, value);
-        for (int w = 0; w < SCREE_SWITCHES; w++)
-            if (may_dip(&a->grip[k], w))
-                soonest = fmin(soonest, dips_at(a->before[k][w], value[w], a->value[k][w], small));
+        for (int w = 0; w < SCREE_SWITCHES; w++) {
+            if (!may_dip(&a->grip[k], w)) continue;
+            int unloaded = w >= SCREE_SWITCH_SLIDE && !(end[k].slides[w - SCREE_SWITCH_SLIDE] > 0.0);
+            double dip = unloaded ? (value[w] < -small ? 0.5 : 1.0) /* its function may have jumped */
+                                  : dips_at(a->before[k][w], value[w], a->value[k][w], small);
+            soonest = fmin(soonest, dip);
+        }
     }
     a->view = end;
     scree_adaptive_place(scene, a->arrived);
