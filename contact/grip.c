@@ -183,15 +183,15 @@ static struct dragged drag(const struct slider *s, struct vec memory, struct vec
         d.force = vec_scale(-s->hold.slides / (size + SCREE_NO_SPEED), trial);
         d.rate = vec_axpy(vec_scale(-unit / s->c, vec_add(d.force, d.elastic)), s->falls, memory);
     } else {
-        /* It turns towards the slip over the way that the spring is stretched by; under next to no load, where that is
-         * less than a thousandth of the longest such way, slower and slower instead of at once, which no explicit step
-         * follows, and none has to. What bears nothing unwinds nothing. */
-        double slides = s->hold.slides, way = slides / s->k, least = 1e-3 * s->longest + SCREE_NO_SPEED;
+        /* It turns towards the slip over the way that the spring is stretched by; under next to no load at once, which
+         * no explicit step follows and none has to: there, over a thousandth of the longest such way. What bears
+         * nothing has been turned already (scree_grip_settle), and unwinds nothing. */
+        double slides = s->hold.slides, way = fmax(slides / s->k, 1e-3 * s->longest) + SCREE_NO_SPEED;
         struct vec towards = scree_direction_of(memory, v);
-        double along = vec_dot(v, towards), pace = way > least ? 1.0 / way : way / (least * least);
+        double along = vec_dot(v, towards), pace = slides > 0.0 ? vec_norm(memory) / way : 0.0;
         d.force = vec_scale(-slides, towards);
         d.elastic = vec_scale(slides, towards);
-        d.rate = vec_scale(vec_norm(memory) * pace, vec_axpy(v, -along, towards));
+        d.rate = vec_scale(pace, vec_axpy(v, -along, towards));
         d.grows = s->k * (slides > 0.0 ? along : fmax(along, 0.0));
     }
     return d;

@@ -133,8 +133,8 @@ void scree_grip_switch(struct scree_grip *grip, enum scree_switch which, const s
 void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_view *sooner,
                               const struct scree_grip_view *later);
 
-/* At the end of a step: remember. */
-void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view);
+/* At the end of a step: remember; and a spring that slips under no load is one that has just begun to. */
+void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory);
 
 /* Names the law that this file can't follow in time, with the reason; NULL if all can be. */
 const char *scree_grip_refuses(const struct scree_rule *rule);

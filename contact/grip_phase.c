@@ -365,7 +365,7 @@ void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_v
     grip->advancing = next > scree_grip_peak(grip, sooner) && next >= grip->first * (1.0 - 1e-12);
 }
 
-void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view) {
+void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
     for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->wary[way] -= grip->wary[way] > 0;
     if (grip->state != SCREE_GRIP_HELD) return;
     if (!grip->directional) grip->approaching = view->closing >= 0.0;
@@ -381,5 +381,6 @@ void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *vi
         if (!grip->slips[way] || view->damping_of[way] > 0.0 || !(view->stiffness[way] > 0.0)) continue;
         double stretch = view->slides[way] / view->stiffness[way];
         if (stretch > grip->longest[way]) grip->longest[way] = stretch;
+        if (scree_grip_is_slider(grip, way) && !(stretch > 0.0)) let_slip(grip, way, view, memory);
     }
 }

@@ -290,7 +290,7 @@ static scree_status take(struct scree_scene *scene, struct course *c, const stru
     }
     note_depths(scene);
     c->fresh |= event || landed;
-    for (int k = 0; k < a->grips; k++) scree_grip_settle(&a->grip[k], &a->view[k]);
+    for (int k = 0; k < a->grips; k++) scree_grip_settle(&a->grip[k], &a->view[k], a->arrived + a->place[k]);
     double *y = a->y;
     a->y = a->arrived;
     a->arrived = y;

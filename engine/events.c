@@ -76,18 +76,21 @@ static struct apart look_around(struct scree_scene *scene, const double *y, cons
     return (struct apart){time, 2.0 * little};
 }
 
-static void switches_of(const struct scree_adaptive *a, int k, struct apart apart, double value[SCREE_SWITCHES]) {
+/* Beside the clock an overlap that is no more than rounding tells nothing of sliders: how they begin is settled. */
+static void switches_of(const struct scree_scene *scene, int k, struct apart apart, double value[SCREE_SWITCHES]) {
+    const struct scree_adaptive *a = scene->adaptive;
     double own = k == a->clock ? apart.own : apart.others;
-    int around = own > 0.0;
+    int around = own > 0.0, begins = k != a->clock && fabs(a->view[k].overlap) <= 4.0 * rounding_of(scene, &a->grip[k]);
     scree_grip_switches(&a->grip[k], &a->view[k], around ? &a->sooner[k] : NULL, around ? &a->later[k] : NULL, own,
                         value);
+    for (int w = SCREE_SWITCH_SLIDE; w < SCREE_SWITCHES && begins; w++) value[w] = 1.0;
 }
 
 void scree_adaptive_switches(struct scree_scene *scene, const double *y, const double *rates,
                              double (*value)[SCREE_SWITCHES]) {
     struct scree_adaptive *a = scene->adaptive;
     struct apart apart = look_around(scene, y, rates);
-    for (int k = 0; k < a->grips; k++) switches_of(a, k, apart, value[k]);
+    for (int k = 0; k < a->grips; k++) switches_of(scene, k, apart, value[k]);
 }
 
 int scree_adaptive_begin(struct scree_scene *scene) {
@@ -234,7 +237,7 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     for (int k = 0; k < a->grips; k++) {
         double value[SCREE_SWITCHES], small = nothing(scene, &a->grip[k], SCREE_SWITCH_SLIDE);
         if (a->grip[k].state != SCREE_GRIP_HELD) continue; /* the halfway view has only those */
-        switches_of(a, k, apart, value);
+        switches_of(scene, k, apart, value);
         for (int w = 0; w < SCREE_SWITCHES; w++) {
             if (!may_dip(&a->grip[k], w)) continue;
             int unloaded = w >= SCREE_SWITCH_SLIDE && !(end[k].slides[w - SCREE_SWITCH_SLIDE] > 0.0);
@@ -331,6 +334,8 @@ int scree_adaptive_clock(struct scree_scene *scene, double left) {
         if (grip->speed < 1e-2 * fastest) continue; /* others push it: its own speed is no measure of time */
         if (!suits(grip, &a->view[k], k == before, &parts)) continue;
         double share = (a->view[k].overlap + (parts ? grip->reach : 0.0)) / grip->depth;
+        /* Contacts that begin at once don't take turns for the sake of rounding. */
+        if (k == before) share -= 16.0 * rounding_of(scene, grip) / grip->depth;
         if (share >= least) continue;
         least = share;
         best = k;

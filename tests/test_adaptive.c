@@ -893,6 +893,39 @@ static void test_slides_without_load(void) {
     scree_scene_destroy(scene);
 }
 
+/* Four balls touch the floor at one instant. Only the overlap of one of them is the clock, to all digits, the others'
+ * are no more than rounding at first: they don't take turns as the clock, step by step without end, and their sliders
+ * don't go to and fro. */
+static void test_begin_together(void) {
+    static const char text[] =
+        "gravity = [0, 0, 0]\n[time]\nend = 0.002\nintegrator = \"adaptive\"\n"
+        "[[material]]\nname = \"ball\"\ndensity = 2500\n[[material]]\nname = \"floor\"\n"
+        "[[contact]]\nbetween = [\"ball\", \"floor\"]\nnormal = { law = \"hertz\", stiffness = 1e6 }\n"
+        "[[contact]]\nbetween = [\"ball\", \"ball\"]\nnone = true\n"
+        "[[body]]\nname = \"floor\"\nshape = { plane = true }\nmaterial = \"floor\"\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"a\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nposition = [0, 0, 0.0101]\n"
+        "velocity = [0.12, 0.26, -1]\nspin = [9, -21, 17]\n"
+        "[[body]]\nname = \"b\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nposition = [0.03, 0, 0.0101]\n"
+        "velocity = [-0.05, 0.1, -1]\nspin = [-12, 5, 26]\n"
+        "[[body]]\nname = \"c\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nposition = [0, 0.03, 0.0101]\n"
+        "velocity = [0.21, -0.17, -1]\nspin = [28, 2, -3]\n"
+        "[[body]]\nname = \"d\"\nshape = { sphere = 0.01 }\nmaterial = \"ball\"\nposition = [0.03, 0.03, 0.0101]\n"
+        "velocity = [-0.29, -0.02, -1]\nspin = [-7, -16, 11]\n";
+    static const char *const laws[][2] = {
+        {"contact.0.normal={ law = \"tsuji\", stiffness = 1e6, restitution = 0.6 }",
+         "contact.0.friction={ law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 2e4 }"},
+        {"contact.0.normal={ law = \"hertz\", stiffness = 1e6 }",
+         "contact.0.friction={ law = \"mindlin-rescaled\", static = 0.4, kinetic = 0.4, shear_modulus = 1e8 }"},
+        {"contact.0.normal={ law = \"thornton\", modulus = 3e7, yield = 1.5e6 }",
+         "contact.0.friction={ law = \"mindlin\", static = 0.5, kinetic = 0.4, shear_modulus = 1e8 }"}};
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; k++) {
+        scree_scene *scene = adaptive(text, 1e-8, laws[k], 2);
+        go(scene, 1);
+        CHECK(scree_scene_effort(scene).evaluations < 100000);
+        scree_scene_destroy(scene);
+    }
+}
+
 /* A box on a table that a motion with kinks drives (straight between its points), frictionless to friction that sticks:
  * the box goes with the table. The books close over the kinks, and rest is rest: what is left of the motion is
  * rounding. */
@@ -1497,6 +1530,7 @@ int main(void) {
     test_one_model();
     test_slides_for_a_moment();
     test_slides_without_load();
+    test_begin_together();
     test_driven_box();
     test_swinging_plate();
     test_lets_go_shortly();
