@@ -267,6 +267,15 @@ struct trial {
     int tries;
 };
 
+/* A slider that isn't asked for a step must not go far in it. */
+static void hurry_wary(struct scree_scene *scene) {
+    const struct scree_adaptive *a = scene->adaptive;
+    for (int k = 0; k < a->grips; k++)
+        for (int way = 0; way < SCREE_GRIP_WAYS; way++)
+            if (a->grip[k].wary[way])
+                scene->inner_step = fmin(scene->inner_step, 1e-3 * a->grip[k].depth / a->grip[k].speed);
+}
+
 /* The step is right; take it, up to the first event in it. */
 static scree_status take(struct scree_scene *scene, struct course *c, const struct trial *trial) {
     struct scree_adaptive *a = scene->adaptive;
@@ -281,6 +290,7 @@ static scree_status take(struct scree_scene *scene, struct course *c, const stru
     /* A step that was short because time was up says nothing against longer ones. */
     double next = trial->time * more;
     scene->inner_step = trial->tries == 0 && a->clock < 0 ? fmax(next, fmin(scene->inner_step, 1e3 * next)) : next;
+    hurry_wary(scene);
     lengthen_paths(scene, time, a->y, a->arrived, 1);
     tidy_attitudes(scene);
     if (parted) {

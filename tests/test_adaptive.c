@@ -835,7 +835,8 @@ static double spread_of(const char *const impact[IMPACT_CHANGES], double largest
 
 /* Sliders that slide, or hold, for a moment, so that both ends of a step at one of these tolerances tell of nothing:
  * one bears a little more than it may for a twentieth of the impact; one that rolls holds, one of friction breaks
- * loose, though the parabola through the step is a twentieth of its larger end above that. Bounds: ten tolerances. */
+ * loose, though the parabola through the step is a twentieth of its larger end above that; one has just slipped and
+ * held again at once, and does so once more before the end. Bounds: ten tolerances. */
 static void test_slides_for_a_moment(void) {
     static const struct {
         const char *impact[IMPACT_CHANGES];
@@ -860,7 +861,11 @@ static void test_slides_for_a_moment(void) {
           "1217.42, damping = 0.300747 }",
           "body.1.velocity=[-0.5721315399382689, 0.5685948172646236, -1.4853433134800995]",
           "body.1.spin=[-27.21823562700088, -77.95145444683634, -54.71310404286742]"},
-         1e-6}};
+         1e-6},
+        {{"contact.0.normal={ law = \"linear\", stiffness = 129605, restitution = 0.5 }",
+          "contact.0.friction={ law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 46912.3 }",
+          "body.1.velocity=[-0.07416329051070747, 0, -1.1783434531965031]", "body.1.spin=[0, -69.55640735655852, 0]"},
+         1e-8}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         CHECK(spread_of(cases[k].impact, cases[k].largest, 10) < 10.0 * cases[k].largest);
 }
