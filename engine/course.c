@@ -358,6 +358,7 @@ static scree_status make_step(struct scree_scene *scene, struct course *c) {
                 scree_adaptive_switches(scene, a->arrived, a->next, a->value);
                 trial.event = scree_adaptive_event(scene, &h);
                 trial.h = h;
+                /* Cut shorter than rounding of the time, steps would never pass an event. */
                 int passes = a->y[Y_TIME] + 0.1 * fabs(a->arrived[Y_TIME] - a->y[Y_TIME]) > a->y[Y_TIME];
                 sooner = c->looks < MOST_LOOKS && h != 0.0 && passes ? scree_adaptive_doubt(scene, h) : 0.0;
             }

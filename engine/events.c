@@ -209,8 +209,7 @@ static int may_dip(const struct scree_grip *grip, int which) {
 /* Where the parabola through values at the begin, the middle and the end is least, as a share of the step, if that is
  * inside, and below zero (by more than `small`) or little: less than a fifth of either end, or than a twentieth of the
  * larger one, since by as much the parabola may be wrong; 1: it isn't. What is next to nothing at an end isn't looked
- * into, unless it is below zero in between. A step that is cut there makes the parabola of the next one a better one.
- */
+ * into, unless it is below zero in between. Cut there, the next step has a better parabola. */
 static double dips_at(double begin, double middle, double end, double small) {
     double slope = 4.0 * middle - 3.0 * begin - end, bend = 2.0 * (begin + end - 2.0 * middle);
     double at = bend > 0.0 ? -0.5 * slope / bend : 0.0, least = begin + 0.5 * slope * at, ends = fmin(begin, end);
@@ -241,7 +240,7 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
         for (int w = 0; w < SCREE_SWITCHES; w++) {
             if (!may_dip(&a->grip[k], w)) continue;
             int unloaded = w >= SCREE_SWITCH_SLIDE && !(end[k].slides[w - SCREE_SWITCH_SLIDE] > 0.0);
-            double dip = unloaded ? (value[w] < -small ? 0.5 : 1.0) /* its function may have jumped */
+            double dip = unloaded ? (value[w] < -small ? 0.5 : 1.0) /* where the load ends, it jumps */
                                   : dips_at(a->before[k][w], value[w], a->value[k][w], small);
             soonest = fmin(soonest, dip);
         }

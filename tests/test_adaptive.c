@@ -804,7 +804,7 @@ static void test_one_model(void) {
     }
 }
 
-/* ---- driven bodies, boxes at rest ---- */
+/* ---- impacts whose sliders change for a moment, or together ---- */
 
 /* Oblique impacts of a ball on a wall. */
 static const char ball_at_wall[] =
@@ -849,16 +849,15 @@ static void test_slides_for_a_moment(void) {
          3e-9},
         {{"contact.0.normal={ law = \"hertz\", stiffness = 9.12156e6 }",
           "contact.0.friction={ law = \"coulomb\", static = 0.4, kinetic = 0.3, stiffness = 33159.2 }",
-          "contact.0.rolling={ law = \"spring-dashpot\", rolling = 0.0664603, twisting = 0.0137714, stiffness = "
-          "798.115, "
-          "damping = 0.978149 }",
+          "contact.0.rolling={ law = \"spring-dashpot\", rolling = 0.0664603, twisting = 0.0137714, "
+          "stiffness = 798.115, damping = 0.978149 }",
           "body.1.velocity=[-0.14930921344031955, 0.934390171507359, -0.5270635879365921]",
           "body.1.spin=[-75.93229704953994, 53.15024136880152, 58.34643195087176]"},
          1e-6},
         {{"contact.0.normal={ law = \"kuwabara-kono\", stiffness = 6.94193e6, restitution = 0.5, speed = 0.71657 }",
           "contact.0.friction={ law = \"mindlin-rescaled\", static = 0.4, kinetic = 0.3, shear_modulus = 4.54393e8 }",
-          "contact.0.rolling={ law = \"spring-dashpot\", rolling = 0.0730078, twisting = 0.0208291, stiffness = "
-          "1217.42, damping = 0.300747 }",
+          "contact.0.rolling={ law = \"spring-dashpot\", rolling = 0.0730078, twisting = 0.0208291, "
+          "stiffness = 1217.42, damping = 0.300747 }",
           "body.1.velocity=[-0.5721315399382689, 0.5685948172646236, -1.4853433134800995]",
           "body.1.spin=[-27.21823562700088, -77.95145444683634, -54.71310404286742]"},
          1e-6},
@@ -930,6 +929,8 @@ static void test_begin_together(void) {
         scree_scene_destroy(scene);
     }
 }
+
+/* ---- driven bodies, boxes at rest ---- */
 
 /* A box on a table that a motion with kinks drives (straight between its points), frictionless to friction that sticks:
  * the box goes with the table. The books close over the kinks, and rest is rest: what is left of the motion is
