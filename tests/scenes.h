@@ -20,6 +20,15 @@ static inline scree_scene *scene_from(const char *text, const char *const *chang
     return scene;
 }
 
+/* The same, by the adaptive integrator; at most six changes. */
+static inline scree_scene *adaptive(const char *text, double tolerance, const char *const *changes, int count) {
+    char at[64];
+    snprintf(at, sizeof at, "time.tolerance=%g", tolerance);
+    const char *all[8] = {"time.integrator=\"adaptive\"", at};
+    for (int k = 0; k < count; k++) all[2 + k] = changes[k];
+    return scene_from(text, all, 2 + count, 1);
+}
+
 /* A scene of the repository. */
 static inline scree_scene *scene_file(const char *name, const char *const *changes, int count) {
     char path[512];
