@@ -38,11 +38,21 @@ static SCREE_INLINE void store_columns(scree_row r[4], int count, double (*colum
 typedef double wide_row __attribute__((vector_size(64), aligned(8), may_alias));
 typedef long long wide_bits __attribute__((vector_size(64), aligned(8), may_alias));
 
+/* (gcc makes three instructions of a shuffle.) */
 static SCREE_INLINE wide_row wide_of(scree_row a, scree_row b) {
-    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+    return (wide_row)_mm512_insertf64x4(_mm512_castpd256_pd512((__m256d)a), (__m256d)b, 1);
 }
 
-static SCREE_INLINE wide_row wide_root(wide_row a) { return (wide_row)_mm512_sqrt_pd((__m512d)a); }
+/* Eight whole numbers in bytes to a vector and back; compilers would gather all bytes of a block first. */
+static SCREE_INLINE void wide_from_bytes(const unsigned char bytes[8], double row[8]) {
+    __m512i whole = _mm512_cvtepu8_epi64(_mm_loadl_epi64((const __m128i *)bytes));
+    *(wide_row *)row = (wide_row)_mm512_cvtepi64_pd(whole);
+}
+
+static SCREE_INLINE void wide_to_bytes(const double row[8], unsigned char bytes[8]) {
+    __m512i whole = _mm512_cvtpd_epi64((__m512d) * (const wide_row *)row);
+    _mm_storel_epi64((__m128i *)bytes, _mm512_cvtepi64_epi8(whole));
+}
 
 /* Fourth numbers of both rows with the other sign. */
 static SCREE_INLINE wide_row wide_turned(wide_row a) {
@@ -166,25 +176,34 @@ static SCREE_INLINE double limit_of(const struct block *b, int k, struct sizes s
 
 /* ---- gather ---- */
 
-/* Distances of two balls, where their columns are all there is. */
-static inline void measure_apart(struct block *b, int from, int count) {
+/* Distances of two balls, and one over them. */
+static SCREE_INLINE void measure_apart(struct block *b, int from) {
     _Pragma("omp simd")
-    for (int k = from; k < from + count; k++) {
-        b->apart[k] = vec_norm(get(b->shift, k));
-        b->inverse[k] = 1.0 / (b->apart[k] + SCREE_NO_WAY);
-    }
+    for (int k = from; k < from + WIDTH; k++) b->apart[k] = vec_norm(get(b->shift, k));
+}
+
+static SCREE_INLINE void invert_apart(struct block *b, int from) {
+    _Pragma("omp simd")
+    for (int k = from; k < from + WIDTH; k++) b->inverse[k] = 1.0 / (b->apart[k] + SCREE_NO_WAY);
+}
+
+/* The same while vectors are fetched, `lane` from 0 to the end and BEHIND lanes beyond: a root is one vector behind
+ * what it is taken of, and what divides by it another one. Else the processor, which looks ahead over little more than
+ * one vector's work, would wait for each of them in turn. */
+enum { BEHIND = 2 * WIDTH };
+static SCREE_INLINE void measure_behind(struct block *b, int lane, int end) {
+    if (lane >= WIDTH && lane - WIDTH < end) measure_apart(b, lane - WIDTH);
+    if (lane >= BEHIND) invert_apart(b, lane - BEHIND);
 }
 
 /* Rows of records, subtracted, become columns: those of contacts lane … lane + WIDTH - 1. The fourth numbers of the
- * rows are added instead: sums of radii and of inverse masses. Distances are found for `balls`, so that their roots are
- * there when the next pass begins. */
+ * rows are added instead: sums of radii and of inverse masses. */
 #ifdef __AVX512F__
 static SCREE_INLINE void store_wide(const wide_row *row, int count, double (*column)[SCREE_LANES], int lane) {
     for (int i = 0; i < count; i++) *(wide_row *)&column[i][lane] = row[i];
 }
 
-static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls, int even, struct block *b) {
-    const wide_row none = {0.0}, one = none + 1.0;
+static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int even, struct block *b) {
     wide_row r[8];
     for (int i = 0; i < 8; i++) {
         wide_row ball = *(const wide_row *)ends->ball[lane + i]->x;
@@ -194,10 +213,6 @@ static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls,
     transpose_wide(r);
     store_wide(r, even ? 3 : 4, b->shift, lane);
     store_wide(r + 4, even ? 3 : 4, b->rush, lane);
-    if (!balls) return;
-    wide_row apart = wide_root(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-    *(wide_row *)&b->apart[lane] = apart;
-    *(wide_row *)&b->inverse[lane] = one / (apart + SCREE_NO_WAY);
 }
 
 static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
@@ -227,8 +242,8 @@ static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, str
 }
 
 #elif defined __AVX__
-static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls, int even, struct block *b) {
-    const scree_row sign = {1.0, 1.0, 1.0, -1.0}, one = {1.0, 1.0, 1.0, 1.0};
+static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int even, struct block *b) {
+    const scree_row sign = {1.0, 1.0, 1.0, -1.0};
     scree_row shift[4], rush[4];
     for (int i = 0; i < 4; i++) {
         const struct scree_record *ball = ends->ball[lane + i];
@@ -238,10 +253,6 @@ static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls,
     }
     store_columns(shift, even ? 3 : 4, b->shift, lane);
     store_columns(rush, even ? 3 : 4, b->rush, lane);
-    if (!balls) return;
-    scree_row apart = scree_row_root(shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
-    *(scree_row *)&b->apart[lane] = apart;
-    *(scree_row *)&b->inverse[lane] = one / (apart + SCREE_NO_WAY);
 }
 
 static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
@@ -264,7 +275,7 @@ static SCREE_INLINE void fetch_even_spins(const struct ends *ends, int lane, str
 
 #else
 /* Processors without such rows: number by number, which compilers do better than rows in halves. */
-static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls, int even, struct block *b) {
+static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int even, struct block *b) {
     for (int i = lane; i < lane + WIDTH; i++) {
         const struct scree_record *ball = ends->ball[i];
         const struct scree_record *host = ends->host[i];
@@ -276,7 +287,6 @@ static SCREE_INLINE void fetch_way(const struct ends *ends, int lane, int balls,
         b->shift[3][i] = ball->radius + host->radius;
         b->rush[3][i] = ball->inverse_mass + host->inverse_mass;
     }
-    if (balls) measure_apart(b, lane, WIDTH);
 }
 
 static SCREE_INLINE void fetch_spins(const struct ends *ends, int lane, struct block *b) {
@@ -305,8 +315,8 @@ static SCREE_INLINE void fetch_turning(const struct ends *ends, int lane, int ev
         fetch_spins(ends, lane, b);
 }
 
-static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int balls, int even, struct block *b) {
-    fetch_way(ends, lane, balls, even, b);
+static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int even, struct block *b) {
+    fetch_way(ends, lane, even, b);
     fetch_turning(ends, lane, even, b);
 }
 
@@ -328,7 +338,11 @@ static inline void find_ends(const struct scree_bodies *bodies, const struct scr
 }
 
 static SCREE_INLINE void fetch_as(const struct ends *ends, int count, int balls, int even, struct block *b) {
-    for (int lane = 0; lane < padded(count); lane += WIDTH) fetch_some(ends, lane, balls, even, b);
+    int end = padded(count);
+    for (int lane = 0; lane < end + (balls ? BEHIND : 0); lane += WIDTH) {
+        if (lane < end) fetch_some(ends, lane, even, b);
+        if (balls) measure_behind(b, lane, end);
+    }
 }
 
 static inline void fetch(const struct ends *ends, int count, int balls, int even, struct block *b) {
@@ -460,7 +474,10 @@ static inline void bring_images(const struct scree_bodies *bodies, const struct 
         b->shift[1][lane] -= off.y;
         b->shift[2][lane] -= off.z;
     }
-    measure_apart(b, 0, padded(count));
+    for (int lane = 0; lane < padded(count); lane += WIDTH) {
+        measure_apart(b, lane);
+        invert_apart(b, lane);
+    }
 }
 
 /* Partners that aren't balls, one after the other. */

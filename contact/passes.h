@@ -165,20 +165,31 @@ static void try_sliders(struct block *b, int count, double *const *kept) {
     }
 }
 
-static void share_sliders(struct block *b, int count) {
+static SCREE_INLINE void share_sliders(struct block *b, int from) {
     _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) b->borne[k] = scree_slider_share(b->slides[k], b->size[k]);
+    for (int k = from; k < from + WIDTH; k++) b->borne[k] = scree_slider_share(b->slides[k], b->size[k]);
 }
 
-static void end_sliders(struct block *b, int count, double *const *kept) {
+static SCREE_INLINE void end_some(struct block *b, int from, double *const *kept) {
     _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) {
+    for (int k = from; k < from + WIDTH; k++) {
         struct scree_slider slider = {
             .gone = b->gone[k], .goes = b->goes[k], .stays = b->stays[k], .bears = {b->holds[k], 0.0}};
         put_friction(
             b, k, kept, 1,
             scree_slider_end(slider, get(b->trial, k), b->size[k], b->borne[k], get_kept(kept, k), get(b->slip, k)));
     }
+}
+
+/* One vector is divided while the one before ends its step. */
+static void end_sliders(struct block *b, int count, double *const *kept) {
+    int lane = WIDTH;
+    share_sliders(b, 0);
+    for (; lane < padded(count); lane += WIDTH) {
+        share_sliders(b, lane);
+        end_some(b, lane - WIDTH, kept);
+    }
+    end_some(b, lane - WIDTH, kept);
 }
 
 /* ---- rolling ---- */
@@ -264,6 +275,15 @@ static law_pass *const friction_passes[] = {SCREE_FRICTION_LAWS(ENTRY)};
 /* ---- all of them ---- */
 
 /* Friction's state, kept in bytes, to a column and back. */
+#ifdef __AVX512F__
+static void unpack(const unsigned char *slides, int count, double *state) {
+    for (int lane = 0; lane < padded(count); lane += WIDTH) wide_from_bytes(slides + lane, state + lane);
+}
+
+static void pack(const double *state, int count, unsigned char *slides) {
+    for (int lane = 0; lane < padded(count); lane += WIDTH) wide_to_bytes(state + lane, slides + lane);
+}
+#else
 static void unpack(const unsigned char *slides, int count, double *state) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) state[k] = slides[k];
@@ -273,6 +293,7 @@ static void pack(const double *state, int count, unsigned char *slides) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) slides[k] = (unsigned char)state[k];
 }
+#endif
 
 /* Of contacts that aren't of two balls, stretches come into the tangent plane. */
 static void lean_stretches(const struct block *b, int count, double *const *kept) {
@@ -386,7 +407,6 @@ static void press(struct work *w, int first, int count, int events, struct block
     if (w->slides) {
         if (events & CHANGES) begin_stretches(b, count, step, w->kept);
         try_sliders(b, count, w->kept);
-        share_sliders(b, count);
         end_sliders(b, count, w->kept);
     }
     if (rule->rolling >= 0 && events & CHANGES && scree_rolling_laws[rule->rolling]->memory)

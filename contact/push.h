@@ -182,10 +182,11 @@ static SCREE_INLINE void kick_evenly(const struct block *b, int lane, double ste
     r[6] = lever * (n[1] * r[0] - n[0] * r[1]);
 }
 
-/* The impulse with the other sign is the host's. */
-static SCREE_INLINE wide_row on_other(wide_row kick) {
-    const wide_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN, 0, 0, 0, 0};
-    return (wide_row)((wide_bits)kick ^ sign);
+/* The impulse with the other sign is the host's: in one instruction, whose product is exact. */
+static SCREE_INLINE void push_other(struct scree_record *other, wide_row kick) {
+    const wide_row sign = {-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0};
+    wide_row *sum = (wide_row *)other->impulse;
+    *sum = (wide_row)_mm512_fmadd_pd((__m512d)kick, (__m512d)sign, (__m512d)*sum);
 }
 
 /* In one go from columns to bodies. Contacts of one body wait for each other's stores; on most processors
@@ -197,7 +198,7 @@ static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block
         transpose_wide(r);
         for (int i = 0; i < WIDTH && lane + i < count; i++) {
             *(wide_row *)ends->ball[lane + i]->impulse += r[i];
-            *(wide_row *)ends->host[lane + i]->impulse += on_other(r[i]);
+            push_other(ends->host[lane + i], r[i]);
         }
     }
 }
@@ -216,7 +217,7 @@ static SCREE_INLINE void push_in_hand(const struct ends *ends, const struct bloc
         for (int i = 0; i < WIDTH && lane + i < count; i++) {
             sum = (wide_row)(((wide_bits)sum & pairs.again[i]) | *(const wide_bits *)pairs.from[i]->impulse) + r[i];
             *(wide_row *)pairs.first[i]->impulse = sum;
-            *(wide_row *)pairs.other[i]->impulse += on_other(r[i]);
+            push_other(pairs.other[i], r[i]);
         }
     }
 }
