@@ -56,14 +56,16 @@ static inline double friction_dahl_stiffness(const struct scree_law_constants *l
 }
 
 static const struct scree_friction_law scree_friction_dahl = {
-    .text = {.name = "dahl",
-             .formula = "z' = v - s_0 |v| z/(mu N), F = -s_0 z",
-             .source = "Dahl, Aerospace Corp. TOR-0158(3107-18)-1 (1968)",
-             .note =
-                 "Truly rests, under a share r < 1 of the largest friction force at -(mu N/s_0) ln(1 - r); undamped "
-                 "there but for its hysteresis. Smooth: no border between sticking and sliding.",
-             .example = "kinetic = 0.3, stiffness = 4e4",
-             .parameters = dahl_parameters},
+    .text =
+        {.name = "dahl",
+         .formula = "z' = v - s_0 |v| z/(mu N), F = -s_0 z",
+         .source = "Dahl, Aerospace Corp. TOR-0158(3107-18)-1 (1968)",
+         .note =
+             "Truly rests, under a share r < 1 of the largest friction force at -(mu N/s_0) ln(1 - r); undamped "
+             "there but for its hysteresis. Smooth: no border between sticking and sliding. Where the load falls, |z| "
+             "is at most mu N/s_0.",
+         .example = "kinetic = 0.3, stiffness = 4e4",
+         .parameters = dahl_parameters},
     .memory = 1,
     .bake = friction_dahl_bake,
     .force = friction_dahl_force,

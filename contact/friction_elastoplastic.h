@@ -112,7 +112,7 @@ static const struct scree_friction_law scree_friction_elastoplastic = {
                  "z' = v - alpha s_0 |v| z/g, F = -(s_0 z + s_1 z' + s_2 N v); alpha(z) = 0 in the elastic range",
              .source = "Dupont, Hayward, Armstrong & Altpeter, IEEE Trans. Autom. Control 47 (2002) 787",
              .note = "As lugre, but doesn't drift under a load that vibrates in the elastic range, |load| < elastic "
-                     "mu_k N.",
+                     "mu_k N. z and s_1 are limited as in lugre.",
              .example =
                  "static = 0.4, kinetic = 0.3, stribeck_speed = 2e-3, stiffness = 4e4, damping = 20.0, elastic = "
                  "0.8",

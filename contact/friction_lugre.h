@@ -36,7 +36,9 @@ static const struct scree_friction_law scree_friction_lugre = {
              .source = "Canudas de Wit, Olsson, Astrom & Lischinsky, IEEE Trans. Autom. Control 40 (1995) 419",
              .note =
                  "Truly rests under a steady load, at z = load/s_0 (s_1 about 2 sqrt(s_0 m) damps it well). Under a "
-                 "load that vibrates it drifts, even far below breakaway: see elastoplastic.",
+                 "load that vibrates it drifts, even far below breakaway: see elastoplastic. |z| is at most mu_s "
+                 "N/s_0, and "
+                 "s_1 acts as no more than 4 g/|v|, which keeps the law passive.",
              .example =
                  "static = 0.4, kinetic = 0.3, stribeck_speed = 2e-3, stiffness = 4e4, damping = 20.0, viscous = 2.0",
              .parameters = lugre_family + 1},

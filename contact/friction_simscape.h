@@ -45,13 +45,15 @@ static inline double friction_simscape_slope(const struct scree_law_constants *l
 }
 
 static const struct scree_friction_law scree_friction_simscape = {
-    .text = {.name = "simscape",
-             .formula = "mu = (mu_s - mu_k) w exp((1 - w^2)/2) + mu_k tanh(10 w) + f v, w = v/v_b",
-             .source = "Simscape, Translational Friction (MathWorks)",
-             .note = "Smooth. Creeps at rest, at about v_b/20 under half of the load that it holds. f v is a "
-                     "coefficient: the viscous force grows with the load.",
-             .example = "static = 0.4, kinetic = 0.3, threshold = 1e-3, viscous = 2.0",
-             .parameters = simscape_parameters},
+    .text =
+        {.name = "simscape",
+         .formula = "mu = (mu_s - mu_k) w exp((1 - w^2)/2) + mu_k tanh(10 w) + f v, w = v/v_b",
+         .source = "Simscape, Translational Friction (MathWorks)",
+         .note =
+             "Smooth. Creeps at rest: under half of the load that it holds at about v_b/18 if mu_s = mu_k, faster if "
+             "mu_s is larger. f v is a coefficient: the viscous force grows with the load.",
+         .example = "static = 0.4, kinetic = 0.3, threshold = 1e-3, viscous = 2.0",
+         .parameters = simscape_parameters},
     .bake = friction_simscape_bake,
     .force = friction_simscape_force,
     .stored = scree_no_store,

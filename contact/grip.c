@@ -66,6 +66,15 @@ static int root_of_spring(const struct scree_grip *grip) {
     return 4;
 }
 
+/* Forces set in as the spring, the dashpot and friction do; a law of its own for parting has no dashpot of that root at
+ * the end. The radius of an adhesive contact ends like a root. */
+static void set_roots(struct scree_grip *grip) {
+    int spring = grip->reach > 0.0 ? 1 : root_of_spring(grip), dashpot = grip->normal->root;
+    if (grip->friction && grip->friction->root > spring) spring = grip->friction->root;
+    grip->root = dashpot > spring ? dashpot : spring;
+    grip->end_root = grip->reach > 0.0 ? 2 : grip->directional ? spring : grip->root;
+}
+
 /* Whether friction is a slider that bears no force under any load: its spring would turn without end. */
 static int bears_nothing(const struct scree_rule *rule, const struct scree_friction_law *friction) {
     if (!friction || !friction->hold) return 0;
@@ -77,7 +86,7 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
                      int batch_index, int index) {
     const struct scree_batch *batch = &contacts->batch[batch_index];
     memset(grip, 0, sizeof *grip);
-    for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->since[way] = -HUGE_VAL;
+    for (int k = 0; k < SCREE_GRIP_CHANGES; k++) grip->since[k] = -HUGE_VAL;
     grip->batch = batch_index;
     grip->index = index;
     grip->contact = scree_contact_at(batch, index);
@@ -101,10 +110,7 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
             grip->mass = scree_kind_of(bodies, k)->inertia.moments[0] / (bound * bound);
     }
     grip->directional = tells_directions(grip);
-    grip->root = grip->reach > 0.0 ? 1 : root_of_spring(grip);
-    if (grip->normal->root > grip->root) grip->root = grip->normal->root;
-    if (grip->friction && grip->friction->root > grip->root) grip->root = grip->friction->root;
-    grip->end_root = grip->reach > 0.0 ? 2 : grip->root; /* the radius of an adhesive contact ends like a root */
+    set_roots(grip);
 }
 
 /* ---- geometry ---- */

@@ -20,6 +20,9 @@ enum scree_grip_state {
 /* What resists sideways: friction, rolling, twisting. */
 enum { SCREE_GRIP_FRICTION, SCREE_GRIP_ROLLING, SCREE_GRIP_TWISTING, SCREE_GRIP_WAYS };
 
+/* What rounding may change to and fro: each way, whether it slips; and whether the slip grows. */
+enum { SCREE_GRIP_GROWTH = SCREE_GRIP_WAYS, SCREE_GRIP_CHANGES };
+
 /* Numbers of memory that are integrated: three for each way. */
 enum { SCREE_GRIP_MEMORY = 3 * SCREE_GRIP_WAYS };
 
@@ -45,8 +48,8 @@ struct scree_grip {
     int inside;    /* friction's slider is slower than where its hold jumps */
     int recedes;   /* its slip grows, where that is watched */
     int slips[SCREE_GRIP_WAYS];
-    int wary[SCREE_GRIP_WAYS];     /* steps for which a way stays as it is: it has just changed twice at once */
-    double since[SCREE_GRIP_WAYS]; /* time of its last change, s */
+    int wary[SCREE_GRIP_CHANGES];     /* steps for which it stays as it is: it has just changed twice at once */
+    double since[SCREE_GRIP_CHANGES]; /* time of its last change, s */
     double first, second;
     /* Scales: overlap, speed, force; the longest stretch with which a way has slipped. */
     double depth, speed, load, longest[SCREE_GRIP_WAYS];

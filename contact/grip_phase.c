@@ -145,7 +145,7 @@ static void begin(struct scree_grip *grip, const struct scree_grip_view *view, d
     grip->second = first.second;
     grip->pulling = !grip->normal->cut && first.elastic + first.damping * view->closing < 0.0;
     begin_sideways(grip, view, memory);
-    for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->since[way] = -HUGE_VAL;
+    for (int k = 0; k < SCREE_GRIP_CHANGES; k++) grip->since[k] = -HUGE_VAL;
     grip->fresh = 1;
 }
 
@@ -282,12 +282,12 @@ void scree_grip_switches(const struct scree_grip *grip, const struct scree_grip_
         double peak = scree_grip_peak(grip, view);
         if (!grip->advancing)
             values[SCREE_SWITCH_PEAK] = (grip->first * (1.0 + 1e-14) - peak) / (grip->first + SCREE_NO_SPEED);
-        else if (sooner && later)
+        else if (sooner && later && !(fmin(sooner->overlap, later->overlap) < 0.5 * SCREE_OUTSIDE))
             values[SCREE_SWITCH_PEAK] = (scree_grip_peak(grip, later) - scree_grip_peak(grip, sooner)) / apart *
                                         grip->depth / (grip->speed * (grip->first + SCREE_NO_SPEED));
     }
     if (grip->pulling) return;
-    if (watches_slip(grip) && sooner && later)
+    if (watches_slip(grip) && !grip->wary[SCREE_GRIP_GROWTH] && sooner && later)
         values[SCREE_SWITCH_NEAREST] = (grip->recedes ? 1.0 : -1.0) * slip_gain(sooner, later) / apart * grip->depth /
                                        (grip->speed * grip->speed * grip->speed);
     if (has_band(grip))
@@ -366,7 +366,7 @@ void scree_grip_set_advancing(struct scree_grip *grip, const struct scree_grip_v
 }
 
 void scree_grip_settle(struct scree_grip *grip, const struct scree_grip_view *view, double *memory) {
-    for (int way = 0; way < SCREE_GRIP_WAYS; way++) grip->wary[way] -= grip->wary[way] > 0;
+    for (int k = 0; k < SCREE_GRIP_CHANGES; k++) grip->wary[k] -= grip->wary[k] > 0;
     if (grip->state != SCREE_GRIP_HELD) return;
     if (!grip->directional) grip->approaching = view->closing >= 0.0;
     /* Others have pushed it together since it began. */

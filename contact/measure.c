@@ -2,6 +2,18 @@
  * loop. */
 #include "contact/meet.h"
 
+/* A slider that holds, as it was kept: what it bears beyond that is an error of the step, no slip yet. */
+static struct scree_tangential measure_held(const struct scree_rule *rule, struct scree_pair_constants pair,
+                                            struct scree_sliding at) {
+    const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    const struct scree_law_constants *law = &rule->friction_constants;
+    double k = friction->in_force ? 1.0 : friction->stiffness(law, pair, at.overlap);
+    double c = friction->damping(law, pair, at.overlap), holds = friction->hold(law, at).holds;
+    struct vec trial = vec_axpy(vec_scale(k, at.stretch), c, at.velocity);
+    double size = vec_norm(trial);
+    return (struct scree_tangential){vec_scale(size > holds ? -holds / size : -1.0, trial), at.stretch, 0.0};
+}
+
 /* Friction at this instant, and what its spring holds. */
 static void measure_friction(const struct scree_rule *rule, struct scree_pair_constants pair,
                              const struct scree_batch *batch, int index, struct scree_touch *touch) {
@@ -14,7 +26,9 @@ static void measure_friction(const struct scree_rule *rule, struct scree_pair_co
             vec(scree_kept(batch, 0, index), scree_kept(batch, 1, index), scree_kept(batch, 2, index)), touch->normal);
         at.sliding = scree_kept(batch, 3, index);
     }
-    struct scree_tangential t = friction->force(&rule->friction_constants, pair, at);
+    int held = friction->hold && !(at.sliding > 0.0);
+    struct scree_tangential t =
+        held ? measure_held(rule, pair, at) : friction->force(&rule->friction_constants, pair, at);
     touch->tangential = t.force;
     touch->stretch = t.stretch;
     touch->sliding = at.sliding > 0.0; /* as kept: asked again, a force that is just what holds goes by its rounding */

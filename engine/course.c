@@ -276,6 +276,14 @@ static void hurry_wary(struct scree_scene *scene) {
                 scene->inner_step = fmin(scene->inner_step, 1e-3 * a->grip[k].depth / a->grip[k].speed);
 }
 
+/* Steps so short, one after the other, lead nowhere, s: a contact hasn't moved then. */
+static double next_to_nothing(const struct scree_adaptive *a) {
+    double shortest = HUGE_VAL;
+    for (int k = 0; k < a->grips; k++)
+        if (a->grip[k].state != SCREE_GRIP_APART) shortest = fmin(shortest, a->grip[k].depth / a->grip[k].speed);
+    return shortest < HUGE_VAL ? 1e-8 * shortest : 0.0;
+}
+
 /* The step is right; take it, up to the first event in it. */
 static scree_status take(struct scree_scene *scene, struct course *c, const struct trial *trial) {
     struct scree_adaptive *a = scene->adaptive;
@@ -313,7 +321,7 @@ static scree_status take(struct scree_scene *scene, struct course *c, const stru
         a->before = a->value;
         a->value = value;
     }
-    a->stalled = time > 0.0 ? 0 : a->stalled + 1;
+    a->stalled = time > next_to_nothing(a) ? 0 : a->stalled + 1;
     if (a->stalled > 300)
         return stop_at(scene, a->worst, -1,
                        "contacts near it change to and fro without end, and time doesn't pass; its laws jump "

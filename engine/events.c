@@ -147,6 +147,14 @@ static struct scree_event first_event(const struct scree_scene *scene) {
     return event;
 }
 
+/* Of two lengths as near as can be, the one behind a jump to below zero: a contact that has ended so would begin anew
+ * before it. */
+static double beyond(struct scree_scene *scene, double x1, double f1, double x2) {
+    if (!(f1 > 0.0)) return x1;
+    repeat(scene, x2);
+    return x2;
+}
+
 /* Shorten the step to where one switch function, negative at its end, is zero: inverse quadratic interpolation with
  * bisection as Chandrupatla (Adv. Eng. Softw. 28 (1997) 145) chooses between them. A function that starts at zero
  * counts from where it is positive; if it is nowhere, the event is at the start. Returns the length. */
@@ -185,7 +193,9 @@ static double locate(struct scree_scene *scene, struct scree_event event, double
         }
         x1 = x;
         f1 = f;
-        if (fabs(f1) <= 0.25 * small || fabs(x2 - x1) <= 4e-16 * fabs(h)) return x1;
+        if (fabs(f1) <= 0.25 * small) return x1;
+        if (fabs(x2 - x1) <= 4e-16 * fabs(h))
+            return event.which == SCREE_SWITCH_OVERLAP ? beyond(scene, x1, f1, x2) : x1;
         double xi = (x1 - x2) / (x3 - x2), phi = (f1 - f2) / (f3 - f2);
         t = 0.5;
         if (phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi)
@@ -252,11 +262,11 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
 
 /* ---- changes ---- */
 
-/* Near the border of sticking and slipping rounding decides between them, again and again: one step then goes on with
- * what it has. */
-static void note_slide(struct scree_grip *grip, int way, double time) {
-    if (fabs(time - grip->since[way]) < 1e-4 * grip->depth / grip->speed) grip->wary[way] = 2;
-    grip->since[way] = time;
+/* Near the border of sticking and slipping, or where the slip is as good as steady, rounding decides what it does,
+ * again and again: one step then goes on with what it has. */
+static void note_change(struct scree_grip *grip, int which, double time) {
+    if (fabs(time - grip->since[which]) < 1e-4 * grip->depth / grip->speed) grip->wary[which] = 2;
+    grip->since[which] = time;
 }
 
 void scree_adaptive_change(struct scree_scene *scene, struct scree_event event) {
@@ -269,7 +279,8 @@ void scree_adaptive_change(struct scree_scene *scene, struct scree_event event) 
             if (!same && !also) continue;
             if (a->grip[k].state == SCREE_GRIP_APART) scree_adaptive_claim(a, k);
             scree_grip_switch(&a->grip[k], (enum scree_switch)w, &a->view[k], y + a->place[k]);
-            if (w >= SCREE_SWITCH_SLIDE) note_slide(&a->grip[k], w - SCREE_SWITCH_SLIDE, y[Y_TIME]);
+            if (w >= SCREE_SWITCH_SLIDE) note_change(&a->grip[k], w - SCREE_SWITCH_SLIDE, y[Y_TIME]);
+            if (w == SCREE_SWITCH_NEAREST) note_change(&a->grip[k], SCREE_GRIP_GROWTH, y[Y_TIME]);
             scene->effort.events++;
             break; /* the others belonged to the phase that is over */
         }

@@ -81,8 +81,9 @@ static double grip_misfit(const struct scree_scene *scene, int k, double step) {
         double stretch = length3(a->y + a->place[k] + 3 * way), rate = vec_norm(view->rate[way]);
         double unit = scree_grip_stiffness(&a->grip[k], way, 0.5 * a->grip[k].depth);
         /* Memory begins with nothing, like a power of time: relative errors would stay as they are however short the
-         * step. */
-        double least = unit > 0.0 ? 1e-2 * a->grip[k].load / unit : 0.0;
+         * step. So they would where it ends under a force that pulls, and then it bears nothing. */
+        double part = a->grip[k].pulling ? 1.0 : 1e-2;
+        double least = unit > 0.0 ? part * a->grip[k].load / unit : 0.0;
         worst = larger(worst, a, a->place[k] + 3 * way, tolerance * fmax(fmax(stretch, step * rate), least) + 1e-290);
     }
     return worst;

@@ -705,6 +705,51 @@ static void test_peaks_before_breaks(void) {
     }
 }
 
+/* A box tips over the border of a plate: a corner beyond it is pressed on it as on a wall, and loses it when it is
+ * deeper than the plate is thick. What the law remembers grows up to there; that the contact then is no more is an
+ * event of its own, not one at each rounding of the time. */
+static void test_peaks_before_jumps(void) {
+    static const char text[] =
+        "gravity = [0, 0, -9.81]\n[time]\nend = 0.05\nstep = 0.001\n"
+        "[[material]]\nname = \"a\"\ndensity = 1000\n[[contact]]\nbetween = [\"a\", \"a\"]\n"
+        "normal = { law = \"thornton\", modulus = 1e7, yield = 1e5 }\n"
+        "friction = { law = \"stick-slip\", static = 0.5, kinetic = 0.4, threshold = 0.01 }\n"
+        "[[body]]\nname = \"plate\"\nshape = { rectangle = [0.09, 0.09] }\nmaterial = \"a\"\njoint = \"fixed\"\n"
+        "[[body]]\nname = \"box\"\nshape = { box = [0.02, 0.03, 0.015], rounding = 0.002 }\nmaterial = \"a\"\n"
+        "position = [-0.02, 0.03, 0.06]\nvelocity = [-0.19237498719063045, 0.0, -1.5]\n"
+        "spin = [-5.198676514139748, 2.1255256678200816, -16.074739290309363]\n"
+        "orientation = [-0.12507149423954322, -0.4640920388383994, 2.7669261923273716, 0.8790872177224116]\n";
+    scree_scene *scene = adaptive(text, 1e-9, NULL, 0);
+    CHECK(scree_scene_step(scene, 50) == SCREE_OK);
+    CHECK(scree_scene_effort(scene).events < 1000);
+    scree_scene_destroy(scene);
+}
+
+/* So far from the origin that the overlap is a few roundings of the places, a contact can end in steps in which nothing
+ * moves: the run stops and says so. */
+static void test_far_off(void) {
+    static const char text[] =
+        "gravity = [0, 0, -9.81]\n[time]\nend = 0.02\nstep = 2e-5\n[[material]]\nname = \"a\"\ndensity = 1000\n"
+        "[[contact]]\nbetween = [\"a\", \"a\"]\n"
+        "normal = { law = \"tsuji-cut\", modulus = 1e7, restitution = 0.6 }\n"
+        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.4, shear_modulus = 8e6, damping = 0.1 }\n"
+        "[[body]]\nname = \"f\"\nshape = { plane = true }\nmaterial = \"a\"\njoint = \"fixed\"\n"
+        "position = [136.5, -209.29999999999998, 91.0]\n"
+        "[[body]]\nname = \"b0\"\nshape = { sphere = 0.005940549708786809 }\nmaterial = \"a\"\n"
+        "position = [136.47, -209.29930513252611, 91.011]\n"
+        "velocity = [0.26377461897661403, -0.2449309742605783, -0.504564912908059]\n"
+        "spin = [-3.030536112675712, 9.095578363365775, 17.323401068130792]\n"
+        "[[body]]\nname = \"b1\"\nshape = { sphere = 0.005657017107419645 }\nmaterial = \"a\"\n"
+        "position = [136.494, -209.30094330504693, 91.011]\n"
+        "velocity = [0.3357651039198697, -0.06723293209494663, -0.237719917542058]\n"
+        "spin = [-29.873636798933358, -3.2767683567119157, 13.29240194044695]\n";
+    scree_scene *scene = adaptive(text, 1e-10, NULL, 0);
+    scree_status status = scree_scene_step(scene, 1000);
+    CHECK(status == SCREE_OK || status == SCREE_FAILED);
+    CHECK(scree_scene_effort(scene).steps < 100000);
+    scree_scene_destroy(scene);
+}
+
 /* `impact` lets go for a short while within a long step of a contact that nothing else is told of. */
 static void test_lets_go_shortly(void) {
     static const struct {
@@ -945,6 +990,8 @@ int main(void) {
     test_driven_box();
     test_swinging_plate();
     test_lets_go_shortly();
+    test_peaks_before_jumps();
+    test_far_off();
     test_peaks_before_breaks();
     test_rocking();
     test_every_law();
