@@ -43,6 +43,10 @@ static SCREE_INLINE wide_row wide_of(scree_row a, scree_row b) {
     return (wide_row)_mm512_insertf64x4(_mm512_castpd256_pd512((__m256d)a), (__m256d)b, 1);
 }
 
+/* As many numbers as one instruction takes. */
+typedef wide_row lane_row;
+static SCREE_INLINE lane_row lane_root(lane_row a) { return (lane_row)_mm512_sqrt_pd((__m512d)a); }
+
 /* Eight whole numbers in bytes to a vector and back; compilers would gather all bytes of a block first. */
 static SCREE_INLINE void wide_from_bytes(const unsigned char bytes[8], double row[8]) {
     __m512i whole = _mm512_cvtepu8_epi64(_mm_loadl_epi64((const __m128i *)bytes));
@@ -89,6 +93,9 @@ static SCREE_INLINE void transpose_wide(wide_row r[8]) {
         r[i + 4] = __builtin_shufflevector(b[i], b[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
     }
 }
+#elif defined __AVX__
+typedef scree_row lane_row;
+static SCREE_INLINE lane_row lane_root(lane_row a) { return scree_row_root(a); }
 #endif
 
 /* The bodies of one block of contacts. */
@@ -176,7 +183,19 @@ static SCREE_INLINE double limit_of(const struct block *b, int k, struct sizes s
 
 /* ---- gather ---- */
 
-/* Distances of two balls, and one over them. */
+/* Distances of two balls, and one over them: of one vector. (clang doesn't make one of so short a loop.) */
+#ifdef __AVX__
+static SCREE_INLINE void measure_apart(struct block *b, int from) {
+    lane_row x = *(lane_row *)&b->shift[0][from], y = *(lane_row *)&b->shift[1][from];
+    lane_row z = *(lane_row *)&b->shift[2][from];
+    *(lane_row *)&b->apart[from] = lane_root(x * x + y * y + z * z);
+}
+
+static SCREE_INLINE void invert_apart(struct block *b, int from) {
+    const lane_row none = {0.0}, one = none + 1.0;
+    *(lane_row *)&b->inverse[from] = one / (*(lane_row *)&b->apart[from] + SCREE_NO_WAY);
+}
+#else
 static SCREE_INLINE void measure_apart(struct block *b, int from) {
     _Pragma("omp simd")
     for (int k = from; k < from + WIDTH; k++) b->apart[k] = vec_norm(get(b->shift, k));
@@ -186,14 +205,14 @@ static SCREE_INLINE void invert_apart(struct block *b, int from) {
     _Pragma("omp simd")
     for (int k = from; k < from + WIDTH; k++) b->inverse[k] = 1.0 / (b->apart[k] + SCREE_NO_WAY);
 }
+#endif
 
-/* The same while vectors are fetched, `lane` from 0 to the end and BEHIND lanes beyond: a root is one vector behind
- * what it is taken of, and what divides by it another one. Else the processor, which looks ahead over little more than
- * one vector's work, would wait for each of them in turn. */
-enum { BEHIND = 2 * WIDTH };
-static SCREE_INLINE void measure_behind(struct block *b, int lane, int end) {
-    if (lane >= WIDTH && lane - WIDTH < end) measure_apart(b, lane - WIDTH);
-    if (lane >= BEHIND) invert_apart(b, lane - BEHIND);
+/* The same while vector after vector of balls is fetched. What divides is one vector behind: else the processor, which
+ * looks ahead over little more than one vector's work, would wait for the root and then for the quotient. */
+static SCREE_INLINE void measure_next(struct block *b, int lane, int end) {
+    measure_apart(b, lane);
+    if (lane > 0) invert_apart(b, lane - WIDTH);
+    if (lane == end - WIDTH) invert_apart(b, lane);
 }
 
 /* Rows of records, subtracted, become columns: those of contacts lane … lane + WIDTH - 1. The fourth numbers of the
@@ -338,10 +357,9 @@ static inline void find_ends(const struct scree_bodies *bodies, const struct scr
 }
 
 static SCREE_INLINE void fetch_as(const struct ends *ends, int count, int balls, int even, struct block *b) {
-    int end = padded(count);
-    for (int lane = 0; lane < end + (balls ? BEHIND : 0); lane += WIDTH) {
-        if (lane < end) fetch_some(ends, lane, even, b);
-        if (balls) measure_behind(b, lane, end);
+    for (int lane = 0; lane < padded(count); lane += WIDTH) {
+        fetch_some(ends, lane, even, b);
+        if (balls) measure_next(b, lane, padded(count));
     }
 }
 
@@ -474,10 +492,7 @@ static inline void bring_images(const struct scree_bodies *bodies, const struct 
         b->shift[1][lane] -= off.y;
         b->shift[2][lane] -= off.z;
     }
-    for (int lane = 0; lane < padded(count); lane += WIDTH) {
-        measure_apart(b, lane);
-        invert_apart(b, lane);
-    }
+    for (int lane = 0; lane < padded(count); lane += WIDTH) measure_next(b, lane, padded(count));
 }
 
 /* Partners that aren't balls, one after the other. */

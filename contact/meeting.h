@@ -22,11 +22,10 @@ struct meeting {
 
 /* Masses and radii count of balls of one size, too (unlike in fetch). */
 static inline void fetch_motions(const struct ends *ends, int count, int balls, int even, struct block *b) {
-    int end = padded(count);
-    for (int lane = 0; lane < end + (balls ? BEHIND : 0); lane += WIDTH) {
-        if (lane < end) fetch_way(ends, lane, 0, b);
-        if (lane < end) fetch_turning(ends, lane, even, b);
-        if (balls) measure_behind(b, lane, end);
+    for (int lane = 0; lane < padded(count); lane += WIDTH) {
+        fetch_way(ends, lane, 0, b);
+        fetch_turning(ends, lane, even, b);
+        if (balls) measure_next(b, lane, padded(count));
     }
 }
 

@@ -165,31 +165,20 @@ static void try_sliders(struct block *b, int count, double *const *kept) {
     }
 }
 
-static SCREE_INLINE void share_sliders(struct block *b, int from) {
+static void share_sliders(struct block *b, int count) {
     _Pragma("omp simd")
-    for (int k = from; k < from + WIDTH; k++) b->borne[k] = scree_slider_share(b->slides[k], b->size[k]);
+    for (int k = 0; k < padded(count); k++) b->borne[k] = scree_slider_share(b->slides[k], b->size[k]);
 }
 
-static SCREE_INLINE void end_some(struct block *b, int from, double *const *kept) {
+static void end_sliders(struct block *b, int count, double *const *kept) {
     _Pragma("omp simd")
-    for (int k = from; k < from + WIDTH; k++) {
+    for (int k = 0; k < padded(count); k++) {
         struct scree_slider slider = {
             .gone = b->gone[k], .goes = b->goes[k], .stays = b->stays[k], .bears = {b->holds[k], 0.0}};
         put_friction(
             b, k, kept, 1,
             scree_slider_end(slider, get(b->trial, k), b->size[k], b->borne[k], get_kept(kept, k), get(b->slip, k)));
     }
-}
-
-/* One vector is divided while the one before ends its step. */
-static void end_sliders(struct block *b, int count, double *const *kept) {
-    int lane = WIDTH;
-    share_sliders(b, 0);
-    for (; lane < padded(count); lane += WIDTH) {
-        share_sliders(b, lane);
-        end_some(b, lane - WIDTH, kept);
-    }
-    end_some(b, lane - WIDTH, kept);
 }
 
 /* ---- rolling ---- */
@@ -407,6 +396,7 @@ static void press(struct work *w, int first, int count, int events, struct block
     if (w->slides) {
         if (events & CHANGES) begin_stretches(b, count, step, w->kept);
         try_sliders(b, count, w->kept);
+        share_sliders(b, count);
         end_sliders(b, count, w->kept);
     }
     if (rule->rolling >= 0 && events & CHANGES && scree_rolling_laws[rule->rolling]->memory)
