@@ -31,6 +31,9 @@ void scree_complain(struct scree_reader *r, const struct scree_toml *node, const
 void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, const char *what,
                       const char *const *keys);
 
+/* Of a table that lacks a key: one that is like it must be a misspelt one. */
+void scree_check_misspelt(struct scree_reader *r, const struct scree_toml *table, const char *what, const char *key);
+
 /* A finite number; 0 after a complaint. */
 double scree_number_of(struct scree_reader *r, const struct scree_toml *node, const char *what);
 
