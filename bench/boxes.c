@@ -16,7 +16,7 @@ static const char help[] =
     "ns per pair, per touching contact.\n"
     "--count N: boxes of six shapes poured into a shaft, which is filled once its cells are, "
     "for --seconds (3) tenths of a second:\n"
-    "boxes, steps, microseconds of a step, ns per box and step; touching contacts at the end, ns of a step per one of "
+    "boxes, steps, length of a step in us, ns per box and step; touching contacts at the end, ns of a step per one of "
     "them, over the last hundredth of the run;\n"
     "kinetic energy over the largest before, largest overlap over the tolerable.\n"
     "--tower N: towers of 20 boxes for N seconds, of rounded and of sharp ones: how far "

@@ -12,7 +12,7 @@ static const char help[] =
     "lists\n"
     "made in every step. Both take turns; medians. Columns: what is skipped, scene,\n"
     "nanoseconds per step with and without the skip, what it saves in per cent, and the largest difference of\n"
-    "positions at the end (m): 0 but for friction, whose lever arms turn balls by rounding, and for sleep.\n"
+    "positions at the end (m): 0 but for sleep.\n"
     "Unless given: --repeats 5.\n"
     "\n"
     "example: scree-bench skips --repeats 9\n";

@@ -225,16 +225,16 @@ static inline double scree_periods_off(const struct scree_bodies *bodies, double
     return period > 0.0 ? floor((x - bodies->low[axis]) / period) : 0.0;
 }
 
-/* A second set of records, attitudes and corners beside the shared rest of `bodies`. Free it with
- * scree_bodies_free_shadow. */
+/* A second set of records, attitudes and corners beside the shared rest of `bodies`, which must outlive it. Free it
+ * with scree_bodies_free_shadow. SCREE_NO_MEMORY: there is nothing to free. */
 scree_status scree_bodies_shadow(const struct scree_bodies *bodies, struct scree_bodies *shadow,
                                  scree_trouble *trouble);
 void scree_bodies_free_shadow(struct scree_bodies *shadow);
 
 /* ---- order ---- */
 
-/* Sort the bodies by the positions of their states, if there are enough of them; `range` is the largest gap that
- * matters, m. `key` and `from` are scratch for a number per body. */
+/* Sort the bodies by the positions of their states, if 16 of them or more go into slabs; `range` is the largest gap
+ * that matters, m. `key` and `from` are scratch for a number per body. */
 void scree_bodies_sort(struct scree_bodies *bodies, double range, uint64_t *key, int *from);
 
 /* Whether so many bodies have left their places that sorting pays. It depends on the state alone. */
@@ -257,7 +257,7 @@ void scree_bodies_mark_slabs(struct scree_bodies *bodies);
  * for the first half of the step at the angular momentum l of its start, for the second at l + 2 M/h, which under a
  * constant torque is that of its end; second order, and angular momentum is kept to rounding. */
 
-/* Space for what that method keeps; SCREE_NO_MEMORY. */
+/* Space for what that method keeps, freed with the bodies; SCREE_NO_MEMORY. */
 scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble);
 
 /* As scree_bodies_look_ahead, and bring the shadow `now` to the start of the step. Of all bodies but free balls, which

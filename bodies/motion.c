@@ -57,7 +57,8 @@ static scree_status check_numbers(const scree_motion_def *def, scree_trouble *tr
 
 static scree_status check_column(const double *column, const char *name, size_t rows, scree_trouble *trouble) {
     if (!column)
-        return scree_report(trouble, SCREE_BAD_INPUT, "table", "this table interpolation needs a column of %s", name);
+        return scree_report(trouble, SCREE_BAD_INPUT, "interpolation", "this table interpolation needs a column of %s",
+                            name);
     for (size_t k = 0; k < rows; k++)
         if (!isfinite(column[k]))
             return scree_report(trouble, SCREE_BAD_INPUT, "table", "row %zu of a motion table: %s is not finite", k + 1,

@@ -65,6 +65,7 @@ struct scree_motion {
     struct scree_motion_piece *pieces;
 };
 
+/* Of what the motion drives, m or rad, and its derivatives by the time in s. */
 struct scree_motion_value {
     double position, velocity, acceleration;
 };
@@ -74,6 +75,7 @@ struct scree_motion_value {
 scree_status scree_motion_bake(const scree_motion_def *def, struct scree_motion *motion, scree_trouble *trouble);
 void scree_motion_free(struct scree_motion *motion);
 
+/* At any `time`, s. */
 struct scree_motion_value scree_motion_at(const struct scree_motion *motion, double time);
 
 #endif

@@ -158,7 +158,7 @@ static size_t edit_distance(const char *a, const char *b) {
 
 const char *scree_nearest_name(const char *wrong, const char *const *names) {
     const char *nearest = NULL;
-    size_t least = strlen(wrong) / 2 + 2; /* farther than this it is no misspelling */
+    size_t least = strlen(wrong) / 3 + 2; /* farther than this it is no misspelling */
     for (; *names; names++) {
         size_t distance = edit_distance(wrong, *names);
         if (distance < least) {

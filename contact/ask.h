@@ -28,7 +28,7 @@ scree_status scree_ask(const scree_law_choice *choice, const struct scree_elasti
                        const struct scree_wish *wish, double *value, scree_trouble *trouble);
 
 /* How well a law delivers the restitution it is asked for by its parameter `restitution`, every other parameter at its
- * fallback or 1. */
+ * fallback or 1: of bodies of 1 kg and 1 m (effective) that meet at 1 m/s. */
 struct scree_validity {
     int asked;       /* 0: the law has no such parameter, and the rest says nothing */
     double from;     /* the error stays within the tolerance for `restitution` from this on; 0: everywhere */
@@ -36,6 +36,7 @@ struct scree_validity {
     double worst_at; /* where */
 };
 
+/* `tolerance`: of the restitution, absolute. */
 struct scree_validity scree_validity_of(const struct scree_normal_law *law, double tolerance);
 
 #endif

@@ -31,7 +31,8 @@ void scree_shift_segment(struct scree_batch *batch, struct scree_part *segment, 
 /* What columns hold behind a segment's last contact, up to whole vectors, becomes zero. */
 void scree_clear_padding(struct scree_batch *batch, const struct scree_part *segment);
 
-/* Give the segments of a batch the capacities wanted, in the order of segments. */
+/* Give the segments of a batch the capacities wanted (contacts, none below what the segment holds), in the order of
+ * segments. SCREE_NO_MEMORY: all is as it was. */
 scree_status scree_lay_out(struct scree_batch *batch, int segments, const int *capacity, scree_trouble *trouble);
 
 #endif

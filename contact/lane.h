@@ -39,7 +39,7 @@ struct lane_constants {
     double grid[SCREE_LANES]; /* longest step of Runge-Kutta, s */
     /* Of laws that are cut: force after a free flight, N, and what closing adds to it, N s^2/m. */
     double pushes[2][SCREE_LANES];
-    double pair[SCREE_PAIR_LEVER][SCREE_LANES];
+    double pair[SCREE_PAIR_LEVER][SCREE_LANES]; /* pair constants of the normal law, then of the friction law */
 };
 
 /* Columns of what goes on: the state, and what the contact has yielded so far (along the normal, and in the tangent

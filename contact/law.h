@@ -139,10 +139,10 @@ struct scree_normal_law {
                           double speed);
 };
 
-/* A contact as a friction law sees it in the middle of a step: normal force (>= 0), tangential velocity of the ball
- * against its partner, overlap and closing speed, and the memory as it was `half` a step (s) before: the tangential
- * stretch, and whether the contact was sliding. With half = 0 everything is of one instant. `apart`: the share of the
- * step in which the bodies don't touch, and no dashpot acts. */
+/* A contact as a friction law sees it in the middle of a step: normal force (>= 0, N), tangential velocity of the ball
+ * against its partner (m/s), overlap (m) and closing speed (m/s), and the memory as it was `half` a step (s) before:
+ * the tangential stretch (m; N of a law that is `in_force`), and whether the contact was sliding. With half = 0
+ * everything is of one instant. `apart`: the share of the step in which the bodies don't touch, and no dashpot acts. */
 struct scree_sliding {
     double normal, overlap, closing, half, apart;
     struct vec velocity, stretch;
@@ -151,7 +151,7 @@ struct scree_sliding {
     int bare; /* a slider is known to have no dashpot */
 };
 
-/* Force on the ball in the middle of the step, and the memory at its end. */
+/* Force on the ball in the middle of the step, N, and the memory at its end. */
 struct scree_tangential {
     struct vec force, stretch;
     double sliding;

@@ -29,7 +29,7 @@ void scree_dop853_free(struct scree_dop853 *work);
 /* Step from y by h, 11 evaluations; fills `end`, `error5` and `error3`. */
 void scree_dop853_step(struct scree_dop853 *work, scree_dop853_rates *rates, void *context, const double *y, double h);
 
-/* The estimate of the error from the sizes of both. */
+/* The estimate of the error from the sizes of both, in whatever norm, as combined in II.10 of that book. */
 double scree_dop853_error(double error5, double error3);
 
 #endif

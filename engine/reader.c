@@ -62,20 +62,28 @@ static const char *command_for(const struct scree_toml *root, const char *const 
     return NULL;
 }
 
+static void complain_of_key(struct scree_reader *r, const struct scree_toml *child, const char *what,
+                            const char *advice) {
+    struct scree_toml at = *child;
+    if (child->key_column) at.column = child->key_column;
+    scree_complain(r, &at, "unknown key \"%s\" in %s%s", child->key, what, advice);
+}
+
 /* Every key of `table` is one of `keys` (NULL-terminated). */
 void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, const char *what,
                       const char *const *keys) {
     const char *command = table == r->root ? command_for(table, keys) : NULL;
-    for (const struct scree_toml *child = table->first; child; child = child->next) {
-        if (is_among(child->key, keys)) continue;
-        struct scree_toml at = *child;
-        if (child->key_column) at.column = child->key_column;
-        if (command)
-            scree_complain(r, &at, "unknown key \"%s\" in %s; this looks like a file for scree %s", child->key, what,
-                           command);
-        else
-            scree_complain(r, &at, "unknown key \"%s\" in %s%s", child->key, what, scree_hint(child->key, keys).text);
-    }
+    char other[64] = "";
+    if (command) snprintf(other, sizeof other, "; this looks like a file for scree %s", command);
+    for (const struct scree_toml *child = table->first; child; child = child->next)
+        if (!is_among(child->key, keys))
+            complain_of_key(r, child, what, command ? other : scree_hint(child->key, keys).text);
+}
+
+void scree_check_misspelt(struct scree_reader *r, const struct scree_toml *table, const char *what, const char *key) {
+    const char *const keys[] = {key, NULL};
+    for (const struct scree_toml *child = table->first; child; child = child->next)
+        if (scree_nearest_name(child->key, keys)) complain_of_key(r, child, what, scree_hint(child->key, keys).text);
 }
 
 static int is_number(const struct scree_toml *node) {

@@ -31,6 +31,9 @@ void scree_complain(struct scree_reader *r, const struct scree_toml *node, const
 void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, const char *what,
                       const char *const *keys);
 
+/* Of a table that lacks a key: one that is like it must be a misspelt one. */
+void scree_check_misspelt(struct scree_reader *r, const struct scree_toml *table, const char *what, const char *key);
+
 /* A finite number; 0 after a complaint. */
 double scree_number_of(struct scree_reader *r, const struct scree_toml *node, const char *what);
 
@@ -70,7 +73,8 @@ char *scree_read_file_beside(struct scree_reader *r, const struct scree_toml *no
 char *scree_read_table_file(struct scree_reader *r, const struct scree_toml *node, const char *rising,
                             struct scree_table *table);
 
-/* The same with columns of words; `text` receives what they point into, to be freed after the table. */
+/* The same with columns of words, named in `words` (NULL-terminated); `text` receives what they point into, to be freed
+ * after the table. */
 char *scree_read_word_file(struct scree_reader *r, const struct scree_toml *node, const char *const *words,
                            struct scree_table *table, char **text);
 

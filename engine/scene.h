@@ -67,6 +67,7 @@ struct scree_watched {
     double lacking; /* by which share of what was turned over the books were off before, summed over all halvings */
 };
 
+/* A scene, from its definitions to the last step. */
 struct scree_scene {
     scree_trouble trouble;
     int baked; /* 0: still being defined, 1: ready, -1: baking failed */
@@ -92,7 +93,7 @@ struct scree_scene {
     struct scree_bodies bodies;
     struct scree_bodies shadow; /* records at the instant of the state, made when first measured */
     struct scree_contacts contacts;
-    double step;
+    double step; /* s */
     long steps;
     int ahead;           /* members of slabs (bodies/order.c) are at the middle of the next step already, */
     int too_far;         /* and one of them has outgrown its margin there */
@@ -144,7 +145,7 @@ void scree_gravity_at(const struct scree_scene *scene, double time, double gravi
 /* Bring the shadow to the state; SCREE_NO_MEMORY. */
 scree_status scree_scene_look_now(struct scree_scene *scene);
 
-/* scree_scene_energy for a scene that is just being baked. */
+/* scree_scene_energy for a scene that is just being baked; SCREE_NO_MEMORY, SCREE_FAILED if numbers don't hold them. */
 scree_status scree_energy_now(struct scree_scene *scene, scree_energy *energy);
 
 /* Effective radius of two bodies for their laws, whichever of them is the ball: the rounder one of two boxes; m. */

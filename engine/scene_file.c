@@ -20,8 +20,7 @@ void scree_pass_on(struct scree_reader *r, scree_status status, const struct scr
     r->status = r->trouble->status = status;
 }
 
-/* A number that must be > 0 where it is given; 0 if it isn't, which the library takes as such. */
-static double read_positive(struct scree_reader *r, const struct scree_toml *table, const char *key, const char *unit) {
+double scree_read_positive(struct scree_reader *r, const struct scree_toml *table, const char *key, const char *unit) {
     double value = scree_read_number(r, table, key, 0.0);
     const struct scree_toml *node = scree_toml_get(table, key);
     if (node && !(value > 0.0)) scree_complain(r, node, "%s must be > 0%s, got %g", key, unit, value);
@@ -60,7 +59,7 @@ static void read_material(struct scree_reader *r, const struct scree_toml *table
     static const char *const keys[] = {"name", "density", "young", "poisson", "rigid", NULL};
     scree_check_keys(r, table, "[[material]]", keys);
     scree_material_def def = {.name = scree_read_string(r, table, "name"),
-                              .density = scree_read_number(r, table, "density", 0.0),
+                              .density = scree_read_positive(r, table, "density", " kg/m^3"),
                               .young = scree_read_number(r, table, "young", 0.0),
                               .poisson = scree_read_number(r, table, "poisson", 0.0)};
     const struct scree_toml *young = scree_toml_get(table, "young");
@@ -84,13 +83,17 @@ static void read_law(struct scree_reader *r, const struct scree_toml *table, con
         const char *example = "linear";
         for (int k = 0; k < 2; k++)
             if (strcmp(key, examples[k][0]) == 0) example = examples[k][1];
+        scree_check_misspelt(r, law, key, "law");
         scree_complain(r, law, "%s needs a law, such as { law = \"%s\", … }; `scree laws` lists them", key, example);
         return;
     }
-    int measured = strcmp(choice->law, "table") == 0; /* then there are rows or a file, see read_forces */
+    if (strcmp(choice->law, "table") == 0) { /* measured: see read_forces */
+        static const char *const keys[] = {"law", "rows", "file", NULL};
+        scree_check_keys(r, law, "the law \"table\"", keys);
+        return;
+    }
     for (const struct scree_toml *child = law->first; child && !r->status; child = child->next) {
         if (strcmp(child->key, "law") == 0) continue;
-        if (measured && (strcmp(child->key, "rows") == 0 || strcmp(child->key, "file") == 0)) continue;
         if (choice->settings == SCREE_SETTINGS_MAX) {
             scree_complain(r, child, "no law has more than %d parameters", SCREE_SETTINGS_MAX);
             return;
@@ -296,8 +299,11 @@ static void read_orientation(struct scree_reader *r, const struct scree_toml *bo
 /* "free", "fixed" or the name of a motion. */
 static scree_freedom read_freedom(struct scree_reader *r, const struct scree_toml *node, const char *what,
                                   enum scree_motion_unit unit, int *motion) {
-    if (node->type == SCREE_TOML_STRING && strcmp(node->string, "free") == 0) return SCREE_FREE;
-    if (node->type == SCREE_TOML_STRING && strcmp(node->string, "fixed") == 0) return SCREE_FIXED;
+    if (node->type != SCREE_TOML_STRING)
+        scree_complain(r, node, "%s must be \"free\", \"fixed\" or the name of a motion, not %s", what,
+                       scree_toml_type_name(node->type));
+    if (r->status || strcmp(node->string, "free") == 0) return SCREE_FREE;
+    if (strcmp(node->string, "fixed") == 0) return SCREE_FIXED;
     *motion = scree_read_driver(r, node, what, unit);
     return SCREE_DRIVEN;
 }
@@ -305,6 +311,9 @@ static scree_freedom read_freedom(struct scree_reader *r, const struct scree_tom
 /* turn = "free", "fixed", { hinge = axis } or { axis = axis, motion = "name" } */
 static void read_turn(struct scree_reader *r, const struct scree_toml *node, scree_joint *joint) {
     static const char *const keys[] = {"hinge", "axis", "motion", NULL};
+    static const char forms[] =
+        "turn is \"free\", \"fixed\", { hinge = [x, y, z] } or { axis = [x, y, z], motion = \"name\" }";
+    if (node->type != SCREE_TOML_TABLE && node->type != SCREE_TOML_STRING) scree_complain(r, node, forms);
     if (node->type != SCREE_TOML_TABLE) {
         joint->turn = read_freedom(r, node, "a turn", SCREE_RADIANS, &joint->turn_motion);
         if (!r->status && joint->turn == SCREE_DRIVEN)
@@ -323,8 +332,7 @@ static void read_turn(struct scree_reader *r, const struct scree_toml *node, scr
         return;
     }
     if (!scree_read_numbers(r, node, "axis", 3, joint->axis) || !motion) {
-        scree_complain(r, node,
-                       "turn is \"free\", \"fixed\", { hinge = [x, y, z] } or { axis = [x, y, z], motion = \"name\" }");
+        scree_complain(r, node, forms);
         return;
     }
     joint->turn = SCREE_DRIVEN;
@@ -337,7 +345,8 @@ void scree_read_joint(struct scree_reader *r, const struct scree_toml *body, scr
     const struct scree_toml *node = scree_toml_get(body, "joint");
     if (!node) return;
     const struct scree_toml *others = node->type == SCREE_TOML_TABLE ? scree_toml_get(node, "others") : node;
-    scree_freedom freedom = others ? (scree_freedom)scree_choose(r, others, "joint", words) : SCREE_FREE;
+    const char *what = others == node ? "joint, unless it is a table { x, y, z, turn, others }," : "others";
+    scree_freedom freedom = others ? (scree_freedom)scree_choose(r, others, what, words) : SCREE_FREE;
     for (int k = 0; k < 3; k++) joint->along[k] = freedom;
     joint->turn = freedom;
     if (node->type != SCREE_TOML_TABLE) return;
@@ -354,7 +363,8 @@ static void read_body(struct scree_reader *r, const struct scree_toml *table) {
     static const char *const keys[] = {"name",        "shape",    "material", "mass",  "position",
                                        "orientation", "velocity", "spin",     "joint", NULL};
     scree_check_keys(r, table, "[[body]]", keys);
-    scree_body_def def = {.name = scree_read_string(r, table, "name"), .mass = read_positive(r, table, "mass", " kg")};
+    scree_body_def def = {.name = scree_read_string(r, table, "name"),
+                          .mass = scree_read_positive(r, table, "mass", " kg")};
     const struct scree_toml *material = scree_toml_get(table, "material");
     if (!material) scree_complain(r, table, "a body needs a material");
     if (r->status) return;
@@ -382,7 +392,7 @@ static double whole_share(double end, double every) {
 static void read_step(struct scree_reader *r, const struct scree_toml *table, scree_time_def *def) {
     const struct scree_toml *step = scree_toml_get(table, "step");
     if (!step || step->type != SCREE_TOML_STRING)
-        def->step = read_positive(r, table, "step", " s (or \"auto\")");
+        def->step = scree_read_positive(r, table, "step", " s (or \"auto\")");
     else if (strcmp(step->string, "auto") != 0)
         scree_complain(r, step, "step must be a number of seconds or \"auto\"");
 }
@@ -394,9 +404,9 @@ static void read_integrator(struct scree_reader *r, const struct scree_toml *tab
                             *flight = scree_toml_get(table, "flight");
     if (integrator) def->integrator = (scree_integrator)scree_choose(r, integrator, "integrator", integrators);
     if (def->integrator == SCREE_ADAPTIVE) def->divide = whole_share(into(r)->end, def->divide);
-    def->tolerance = read_positive(r, table, "tolerance", "");
+    def->tolerance = scree_read_positive(r, table, "tolerance", "");
     def->substeps = (int)scree_read_whole(r, table, "substeps", 1.0, SCREE_MOST_SUBSTEPS);
-    def->sleep = read_positive(r, table, "sleep", " m/s");
+    def->sleep = scree_read_positive(r, table, "sleep", " m/s");
     def->no_flight = flight && !scree_read_boolean(r, table, "flight");
     if (flight && def->integrator != SCREE_ADAPTIVE)
         scree_complain(r, flight, "flight goes with the integrator adaptive; it would be without effect");
@@ -418,8 +428,8 @@ static void read_time(struct scree_reader *r) {
         scree_complain(r, end ? end : table, "[time] needs end = the simulated time in s, > 0");
     int rows = into(r)->every > 0.0 && into(r)->every < into(r)->end;
     scree_time_def def = {.divide = rows ? into(r)->every : into(r)->end,
-                          .accuracy = read_positive(r, table, "accuracy", ""),
-                          .speed = scree_read_number(r, table, "speed", 0.0),
+                          .accuracy = scree_read_positive(r, table, "accuracy", ""),
+                          .speed = scree_read_positive(r, table, "speed", " m/s"),
                           .force = scree_read_boolean(r, table, "force"),
                           .energy = (into(r)->request->write & SCREE_WRITE_ENERGY) != 0};
     read_step(r, table, &def);
@@ -448,7 +458,7 @@ static void read_output(struct scree_reader *r) {
     if (!table) return;
     scree_check_keys(r, table, "[output]", keys);
     const struct scree_toml *write = scree_toml_get(table, "write");
-    into(r)->every = read_positive(r, table, "every", " s");
+    into(r)->every = scree_read_positive(r, table, "every", " s");
     if (write) read_write_list(r, write);
 }
 
@@ -558,12 +568,13 @@ static void define(struct scree_reader *r, struct scree_toml_document *document,
         check_length(r);
         return;
     }
-    /* Of what baking refuses, only the step and the domain stand in one place of the file. */
-    const scree_trouble *cause = scree_scene_trouble(into(r)->scene);
-    int of_time = strcmp(cause->field, "step") == 0 || strcmp(cause->field, "accuracy") == 0;
-    const char *place = of_time ? "time" : cause->field;
-    int known = strcmp(place, "time") == 0 || strcmp(place, "domain") == 0;
-    scree_pass_on(r, status, known ? scree_toml_get(r->root, place) : NULL);
+    /* Of what baking refuses, only keys of [time] and the domain stand in one place of the file. */
+    const char *field = scree_scene_trouble(into(r)->scene)->field;
+    const struct scree_toml *time = scree_toml_get(r->root, "time");
+    if (strcmp(field, "domain") == 0)
+        scree_pass_on(r, status, scree_toml_get(r->root, field));
+    else
+        scree_pass_on(r, status, strcmp(field, "step") == 0 || scree_toml_get(time, field) ? time : NULL);
 }
 
 scree_status scree_read_scene(const char *text, size_t size, const char *name, const char *const *assignments,

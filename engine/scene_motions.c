@@ -170,6 +170,7 @@ static scree_motion_kind read_motion_kind(struct scree_reader *r, const struct s
     const char *kinds[KINDS + 1] = {0};
     for (int k = 0; k < KINDS; k++) kinds[k] = motion_kinds[k].kind;
     const struct scree_toml *kind = scree_toml_get(table, "kind");
+    if (!kind) scree_check_misspelt(r, table, "[[motion]]", "kind");
     if (!kind) scree_complain(r, table, "a motion needs a kind: \"velocity\", \"rise\", \"sine\" or \"table\"");
     int index = kind ? scree_choose(r, kind, "kind", kinds) : 0;
     if (r->status) return SCREE_MOTION_VELOCITY;

@@ -17,6 +17,9 @@ struct scree_scene_target {
     enum scree_motion_unit *motion_unit; /* of each motion; owned */
 };
 
+/* A number that must be > 0 where it is given (`unit`: " kg"); 0 if it isn't, which the library takes as such. */
+double scree_read_positive(struct scree_reader *r, const struct scree_toml *table, const char *key, const char *unit);
+
 /* Pass on what the library said of a definition that came from `table`. */
 void scree_pass_on(struct scree_reader *r, scree_status status, const struct scree_toml *table);
 

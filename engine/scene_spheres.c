@@ -187,7 +187,7 @@ void scree_read_generate(struct scree_reader *r, const struct scree_toml *table)
     if (r->status) return;
     scree_generate_def def = {.name = scree_read_string(r, table, "name"),
                               .kind = (scree_generator)scree_choose(r, kind, "kind", kinds),
-                              .spacing = scree_read_number(r, table, "spacing", 0.0),
+                              .spacing = scree_read_positive(r, table, "spacing", " m"),
                               .jitter = scree_read_number(r, table, "jitter", 0.0)};
     def.material = scree_find_named(r, material, "material", scree_scene_find_material);
     for (int k = 0; common[k] && !r->status && def.kind == SCREE_RANDOM; k++)

@@ -33,9 +33,9 @@ struct scree_toml {
 };
 
 struct scree_toml_document {
-    struct scree_toml *root; /* a table */
-    struct scree_toml_chunk *chunks;
-    size_t nodes;
+    struct scree_toml *root;         /* a table */
+    struct scree_toml_chunk *chunks; /* the memory of all nodes and strings */
+    size_t nodes;                    /* how many there are */
 };
 
 /* Largest text in bytes and deepest nesting that are read; a scene with more bodies than fit keeps them in a table. */

@@ -47,6 +47,8 @@ check 'an impact too deep for a scene' 0 'a scene would be stopped there' "$scre
 check 'a law of another kind' 2 'is a normal law, no friction law' "$scree" check "$scenes/bounce.toml" --set 'contact.0.friction={law="linear"}'
 check 'a law without a like' 2 'scree laws' "$scree" impact --law qqq
 check 'a parameter without a like' 2 'it has stiffness, restitution, damping' "$scree" impact --law 'linear qqq=1'
+check 'rolling: a parameter without a like' 2 'no parameter "resistance"; it has rolling' "$scree" check "$scenes/bounce.toml" --set 'contact.0.rolling={law="spring-dashpot", resistance=0.1}'
+check 'sleep while gravity tilts' 2 'with time.sleep=1e-4: no body sleeps while gravity tilts' "$scree" check "$scenes/incline.toml" --set time.sleep=1e-4
 check 'a bad law that is not used' 2 'no normal law called' "$scree" check "$scenes/bounce.toml" --set contact.0.none=true --set 'contact.0.normal={law="nonsense"}'
 check 'an end between steps' 0 'steps (to 0.05001 s)' "$scree" check "$scenes/bounce.toml" --set time.end=0.05 --set time.step=3e-5
 
@@ -710,6 +712,7 @@ check 'fit: a clock that is right' 0 'delay' "$scree" fit "$work/part.toml" -o "
 expect 'fit: no record of an earlier one is left' test ! -e "$work/fit/record_2.csv" -a ! -e "$work/fit/record_2.gp"
 cp "$work/fit/fit.csv" "$work/kept.csv"
 check 'fit: a change to the file' 2 'start must be from min to max' fit --set parameter.restitution.start=2
+check 'fit: a body with a like' 2 'no body called "prdct"; did you mean "product"?' fit --set 'body="prdct"'
 check 'fit: a scene that stops' 2 'there is no "3"' fit --set 'set=["contact.3.normal.restitution={restitution}", "time.speed={stiffness}"]'
 check 'fit: nothing tells a parameter' 1 'not told by the records' fit \
     --set 'set=["contact.1.normal.restitution={restitution}", "body.product.spin=[0,0,0]", "time.speed={stiffness}"]' -o "$work/untold"

@@ -275,6 +275,7 @@ static void test_bad_generators(void) {
     static const struct {
         const char *text, *message;
     } cases[] = {
+        {HEAD LATTICE "spacing = 0\n", "spacing must be > 0 m, got 0"},
         {HEAD LATTICE "spacing = 0.0019\n", "points of \"grain\" come as close as 0.0019 m"},
         {HEAD LATTICE "spacing = 0.0021\njitter = 1e-4\n", "they would overlap"},
         {HEAD LATTICE "count = 376\n", "has 375 points 0.002 m apart, too few for 376"},

@@ -122,12 +122,24 @@ static scree_status check_record(const struct fit_experiment *e, const scree_sce
     return SCREE_OK;
 }
 
+/* Which body of the scene a wrong name may have meant. */
+static struct scree_hint body_hint(const scree_scene *scene, const char *wrong) {
+    enum { MOST = 64 };
+    scree_name name[MOST];
+    const char *names[MOST + 1] = {0};
+    for (int k = 0; k < MOST && k < scree_scene_bodies(scene); k++) {
+        name[k] = scree_scene_body_name(scene, k);
+        names[k] = name[k].text;
+    }
+    return scree_hint(wrong, names);
+}
+
 static scree_status follow(const struct fit_experiment *e, scree_scene *scene, double delay, double *values,
                            scree_trouble *trouble) {
     struct way way = {.scene = scene, .body = scree_scene_find_body(scene, e->body)};
     if (way.body < 0)
-        return scree_report(trouble, SCREE_BAD_INPUT, NULL, "%s has no body called \"%s\"", e->scene,
-                            scree_shown(e->body).text);
+        return scree_report(trouble, SCREE_BAD_INPUT, NULL, "%s has no body called \"%s\"%s", e->scene,
+                            scree_shown(e->body).text, body_hint(scene, e->body).text);
     way.before = way.after = scree_scene_body(scene, way.body);
     for (size_t row = 0; row < e->rows; row++) {
         double time = e->time[row] - delay;

@@ -16,13 +16,13 @@ static const char help[] =
     "  reproduce [FIGURE …]\n"
     "                   the verification experiments and the figures of the process model\n"
     "  plan TRANSPORT   motion profiles for operating speeds, characteristic map, servo tables\n"
-    "  impact           two bodies meet: restitution, rebound, contact time, forces, for any laws, over a sweep\n"
+    "  impact           two bodies meet: restitution, rebound, contact time, forces, over a sweep\n"
     "  fit FIT          parameters of a scene, adjusted to measured records, with confidence intervals\n"
     "  laws [NAME]      the catalogue of contact laws: formula, source, parameters\n"
     "\n"
-    "`scree COMMAND --help` tells more. Exit status: 0 success, 1 a result misses its bound or the "
-    "simulation failed,\n"
-    "2 wrong use or bad input.\n";
+    "`scree COMMAND --help` tells more. Exit status: 0 success, 1 a result misses its bound or a simulation had to "
+    "stop,\n"
+    "2 wrong use, bad input or a file that can't be written, 130 or 143 a run interrupted by Ctrl-C or SIGTERM.\n";
 
 static const struct {
     const char *name;

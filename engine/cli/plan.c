@@ -22,7 +22,7 @@ static const char help[] =
     "  plan.csv       a row a speed: state, events, largest acceleration and jerk, what a simulation makes of it,\n"
     "                 sensitivities of the clearance at the catch\n"
     "  servo_N.csv    the profile at N cycles a minute, planned or from the map, for a motion controller\n"
-    "  map.csv        the characteristic map's knots, and map.svg\n"
+    "  map.csv        the characteristic map's knots; what it gives in map_surface.csv and map.svg\n"
     "  curves.csv     position error over the operating speed: conventional, scaled, planned, from the map; and "
     "curves.svg\n"
     "Nothing is replaced before everything is computed; then files of an earlier plan that this one hasn't got are "

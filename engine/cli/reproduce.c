@@ -18,7 +18,7 @@ static const char help[] =
     "last run. Exit status 1 if a bound is missed. Without gnuplot data and scripts are written all the same.\n"
     "\n"
     "  --suite NAME the cases of a suite that other codes are judged by, instead of the figures: mfix, chung-ooi,\n"
-    "               classics, process, bulk (\"all\": each of them, and the figures)\n"
+    "               classics, process, bulk (these three take minutes; \"all\": each of them, and the figures)\n"
     "  --verlet     the suites' scenes go by Verlet's method, but for those that ask for the adaptive one; bounds "
     "stay\n"
     "               those of pair impulses, which few spheres have by default\n"
