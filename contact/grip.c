@@ -56,6 +56,14 @@ static int tells_directions(const struct scree_grip *grip) {
     return 0;
 }
 
+/* Whether a law that is cut lets go at a speed, whatever the overlap: its dashpot grows like its spring. */
+static int lets_go_by_speed(const struct scree_grip *grip) {
+    if (!grip->normal->cut || grip->normal->bends) return 0;
+    struct scree_normal_force small = law_of(grip, 1e-6, BARELY, 1.0), large = law_of(grip, 1e-3, BARELY, 1.0);
+    double straight = small.damping * large.elastic, across = large.damping * small.elastic;
+    return straight > 0.0 && fabs(across / straight - 1.0) < 1e-9;
+}
+
 /* The root of the overlap in which the spring is a whole power: 1 for whole exponents, 2 for halves, else 4. */
 static int root_of_spring(const struct scree_grip *grip) {
     double d = 1e-12, once = law_of(grip, d, BARELY, 0.0).elastic, twice = law_of(grip, 2.0 * d, BARELY, 0.0).elastic;
@@ -110,6 +118,7 @@ void scree_grip_make(struct scree_grip *grip, const struct scree_contacts *conta
             grip->mass = scree_kind_of(bodies, k)->inertia.moments[0] / (bound * bound);
     }
     grip->directional = tells_directions(grip);
+    grip->by_speed = lets_go_by_speed(grip);
     set_roots(grip);
 }
 

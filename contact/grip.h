@@ -38,6 +38,7 @@ struct scree_grip {
     double lever, mass, reach; /* of rolling, m; effective, kg; of the normal law, m */
     int turns;                 /* the contact can turn its bodies */
     int directional;           /* the normal law tells approach from parting */
+    int by_speed;              /* it lets go at a speed, whatever the overlap */
     int root;                  /* forces set in like this root of the overlap (2, 4); 1: smoothly */
     int end_root;              /* the same where they end, at an overlap of -reach */
     /* The phase. */

@@ -250,11 +250,12 @@ static double slide_switch(const struct scree_grip *grip, int way, const struct 
 
 /* Positive while a law that is cut lasts: its force over its damping rather than the force, for k d/c + u has no root
  * of d in it. Of a contact that the law has let go, a step may pass the overlap at which a dashpot that fades lets it
- * take hold again, and the end: there and beyond, its force just before the end counts. */
+ * take hold again, and the end: there and beyond, its force just before the end counts. Where only the speed does, it
+ * is the force at the largest overlap, which tells it as well near the end and beyond. */
 static double lasting(const struct scree_grip *grip, const struct scree_grip_view *view) {
     double whole = view->whole, damping = view->damping, least = 1e-6 * grip->depth;
-    if (grip->state == SCREE_GRIP_SPENT && view->overlap < least) {
-        struct scree_normal_force f = law_at(grip, least, view->closing);
+    if (grip->by_speed || (grip->state == SCREE_GRIP_SPENT && view->overlap < least)) {
+        struct scree_normal_force f = law_at(grip, grip->by_speed ? grip->depth : least, view->closing);
         whole = f.elastic + f.damping * view->closing;
         damping = f.damping;
     }

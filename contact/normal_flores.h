@@ -33,10 +33,10 @@ static const struct scree_normal_law scree_normal_flores = {
     .text = {.name = "flores",
              .formula = "F = k d^n (1 + D u/v0), D = 8 (1-e)/(5 e)",
              .source = "Flores, Machado, Silva & Martins, Multibody Syst. Dyn. 25 (2011) 357",
-             .note = "v0 is the impact speed of each contact, so the restitution is the same at every speed: D "
-                     "(1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; calibrated = 1 takes the D "
-                     "that delivers e. Never pulls while it acts as on an impact. Its loop stays scalar: the power of "
-                     "the overlap branches on its exponent.",
+             .note = "v0 is the largest closing speed since the touch, of an impact its speed, so the restitution is "
+                     "the same at every speed: D (1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; "
+                     "calibrated = 1 takes the D that delivers e. Never pulls while it acts as on an impact. Its loop "
+                     "stays scalar: the power of the overlap branches on its exponent.",
              .parameters = hysteresis_parameters,
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,

@@ -1,7 +1,7 @@
 /* Spring and dashpot that grow alike with the overlap, scaled by the impact speed v0 of the contact
  * (contact/hysteresis.h).
  *   F = k d^n (1 + D u/v0),  D = 6 (1-e)/((2e-1)^2+3)
- * Herbert & McWhannell, J. Eng. Ind. 99 (1977) 263. The contact ends at zero overlap, where the force is zero too; the
+ * Herbert & McWhannell, J. Eng. Ind. 99 (1977) 513. The contact ends at zero overlap, where the force is zero too; the
  * restitution e' it then has solves
  *   D (1 + e') = ln[(1 + D)/(1 - D e')] */
 #ifndef SCREE_CONTACT_NORMAL_HERBERT_MCWHANNELL_H
@@ -34,11 +34,11 @@ static inline double normal_herbert_mcwhannell_restitution(const struct scree_la
 static const struct scree_normal_law scree_normal_herbert_mcwhannell = {
     .text = {.name = "herbert-mcwhannell",
              .formula = "F = k d^n (1 + D u/v0), D = 6 (1-e)/((2e-1)^2+3)",
-             .source = "Herbert & McWhannell, J. Eng. Ind. 99 (1977) 263",
-             .note = "v0 is the impact speed of each contact, so the restitution is the same at every speed: D "
-                     "(1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; calibrated = 1 takes the D "
-                     "that delivers e. Never pulls while it acts as on an impact. Its loop stays scalar: the power of "
-                     "the overlap branches on its exponent.",
+             .source = "Herbert & McWhannell, J. Eng. Ind. 99 (1977) 513",
+             .note = "v0 is the largest closing speed since the touch, of an impact its speed, so the restitution is "
+                     "the same at every speed: D (1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; "
+                     "calibrated = 1 takes the D that delivers e. Never pulls while it acts as on an impact. Its loop "
+                     "stays scalar: the power of the overlap branches on its exponent.",
              .parameters = hysteresis_parameters,
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,

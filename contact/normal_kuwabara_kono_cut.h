@@ -2,7 +2,7 @@
  *   F = max(0, K (d^(3/2) + (3/2) A d^(1/2) u))
  * Kuwabara & Kono, Jpn. J. Appl. Phys. 26 (1987) 1230; Brilliantov, Spahn, Hertzsch & Poeschel, Phys. Rev. E 53 (1996)
  * 5382. Restitution falls with impact speed (Schwager & Poeschel, Phys. Rev. E 78 (2008) 051304): a function of b =
- * (3/2) A (K/m)^(2/5) v^(1/5), e = 1 - 1.15345 b + 0.79827 b^2 - ..., without closed form. */
+ * (3/2) A (K/m)^(2/5) v^(1/5), e = 1 - 1.15345 b + 0.79827 b^2 + ..., without closed form. */
 #ifndef SCREE_CONTACT_NORMAL_KUWABARA_KONO_CUT_H
 #define SCREE_CONTACT_NORMAL_KUWABARA_KONO_CUT_H
 
@@ -25,7 +25,7 @@ static const struct scree_normal_law scree_normal_kuwabara_kono_cut = {
              .source =
                  "Kuwabara & Kono, Jpn. J. Appl. Phys. 26 (1987) 1230; Brilliantov et al., Phys. Rev. E 53 (1996) 5382",
              .note = "Never pulls (Schwager & Poeschel, Phys. Rev. E 78 (2008) 051304). Restitution falls with "
-                     "impact speed: e = 1 - 1.15345 b + 0.79827 b^2 - ..., b = (3/2) A (K/m)^(2/5) v^(1/5); it "
+                     "impact speed: e = 1 - 1.15345 b + 0.79827 b^2 + ..., b = (3/2) A (K/m)^(2/5) v^(1/5); it "
                      "has no closed form, and a restitution asked for is found by integration.",
              .parameters = kuwabara_parameters,
              .example = "stiffness = 5e6, restitution = 0.5, speed = 1.0"},

@@ -1,7 +1,7 @@
 /* A law by measurement: force over overlap and closing speed on a grid, straight between its points.
  *   F = F0(d) + [F(d, u) - F0(d)],  F0(d) = F(d, 0) is stored and given back, the rest is lost
- * Beyond the last overlap the force goes on as straight as between the last two, beyond the speeds it stays as at the
- * last. It never pulls. Tables whose rest would give energy are refused. */
+ * Beyond the last overlap F0 goes on as straight as between the last two, and the rest stays as it is there; beyond the
+ * speeds the force stays as at the last. It never pulls. Tables whose rest would give energy are refused. */
 #ifndef SCREE_CONTACT_NORMAL_TABLE_H
 #define SCREE_CONTACT_NORMAL_TABLE_H
 
@@ -41,14 +41,20 @@ static inline struct scree_normal_force normal_table_force(const struct scree_la
     (void)pair;
     const struct scree_force_table *t = law->table;
     double share, fraction = 0.0, overlap = at.overlap > 0.0 ? at.overlap : 0.0;
-    int row = table_interval(t->overlaps, t->overlap, overlap, &share);
-    double still = table_column(t, row, share, table_rest(t));
+    int row = table_interval(t->overlaps, t->overlap, overlap, &share), rest = table_rest(t);
+    double still = table_column(t, row, share, rest);
     if (t->speeds == 1 || at.closing == 0.0) return (struct scree_normal_force){still, 0.0, still, 0.0, 0.0};
+    /* Beyond the last overlap only the spring goes on: a dashpot that fades would turn into a drive. */
+    double within = share < 1.0 ? share : 1.0;
     int column = table_interval(t->speeds, t->speed, at.closing, &fraction);
-    fraction = fraction < 0.0 ? 0.0 : fraction > 1.0 ? 1.0 : fraction;
-    double low = table_column(t, row, share, column), high = table_column(t, row, share, column + 1);
-    double force = low + fraction * (high - low);
-    return (struct scree_normal_force){still, (force - still) / at.closing, still, 0.0, 0.0};
+    double low = table_column(t, row, within, column), high = table_column(t, row, within, column + 1);
+    double clamped = fraction < 0.0 ? 0.0 : fraction > 1.0 ? 1.0 : fraction;
+    double added = low + clamped * (high - low) - table_column(t, row, within, rest);
+    /* Beside rest the dashpot is the slope: over next to no speed it would be made of rounding. */
+    double from = t->speed[column], to = t->speed[column + 1];
+    int beside = (from == 0.0 || to == 0.0) && clamped == fraction;
+    double damping = beside ? (high - low) / (to - from) : added / at.closing;
+    return (struct scree_normal_force){still, damping, still, 0.0, 0.0};
 }
 
 static inline double normal_table_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
@@ -102,7 +108,7 @@ static inline scree_status normal_table_bake(const struct scree_values *values, 
                         "the law \"table\" needs measured forces: rows = [[overlap, force], …] or file = \"….csv\"");
 }
 
-/* Where another interval of the table begins. */
+/* Where another interval of the table begins, or the table ends. */
 static inline int normal_table_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                      struct scree_pressing from, struct scree_pressing to) {
     (void)pair;
@@ -112,6 +118,7 @@ static inline int normal_table_bends(const struct scree_law_constants *law, stru
         table_interval(t->overlaps, t->overlap, to.overlap, &share))
         return 1;
     if (t->speeds == 1) return 0;
+    if (scree_between(from.overlap, to.overlap, t->overlap[t->overlaps - 1])) return 1;
     if (table_interval(t->speeds, t->speed, from.closing, &share) !=
         table_interval(t->speeds, t->speed, to.closing, &share))
         return 1;
@@ -127,9 +134,9 @@ static const struct scree_normal_law scree_normal_table = {
          .note =
              "rows = [[d, F], …] or [[d, u, F], …], or file = \"….csv\" with the columns overlap_m, force_N and, if "
              "wanted, closing_m_s: every overlap with every speed, 0 among them. What depends on the speed is lost, "
-             "the rest is stored. Beyond the last overlap the force goes on as straight as before it, beyond the "
-             "speeds it "
-             "stays. Stays scalar: a search in the table takes a branch.",
+             "the rest is stored. Beyond the last overlap the force at rest goes on as straight as before it, and what "
+             "the speed adds stays; beyond the speeds the force stays. Stays scalar: a search in the table takes a "
+             "branch.",
          .parameters = table_parameters,
          .example = "rows = [[0, -1, 0], [0, 0, 0], [0, 1, 20], [1e-4, -1, 2], [1e-4, 0, 6], [1e-4, 1, 26], [1e-3, -1, "
                     "60], [1e-3, 0, 100], [1e-3, 1, 120]]"},

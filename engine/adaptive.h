@@ -118,8 +118,8 @@ int scree_adaptive_begin(struct scree_scene *scene);
 
 /* Where a slider that sticks, or slips, at both ends of the step of length h that was just tried, or a contact that
  * lasts, may have done otherwise in between, in the variable of the step since its start: where the parabola of its
- * switch function through both ends and the middle of a cubic is least, if that is near zero. 0: nowhere. One
- * evaluation, where something slips three. */
+ * switch function through both ends and the middle of a cubic is least, if that is near zero; and where a law that has
+ * let go changes its formula. 0: nowhere. One evaluation, where something slips three. */
 double scree_adaptive_doubt(struct scree_scene *scene, double h);
 
 /* The change of a phase that comes first: of which contact (-1: of none), by which of its switch functions. */

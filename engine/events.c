@@ -209,10 +209,12 @@ static double locate(struct scree_scene *scene, struct scree_event event, double
 /* ---- what both ends of a step don't show ---- */
 
 /* Whether a switch function may fall below zero for a moment: a slider may slide, or hold; a law that is cut may let go
- * if it changes its formula on the way. */
+ * if it changes its formula on the way; bodies may close in faster than ever since the touch, where laws remember that.
+ */
 static int may_dip(const struct scree_grip *grip, int which) {
     if (grip->state != SCREE_GRIP_HELD) return 0;
     if (which == SCREE_SWITCH_FORCE) return grip->normal->cut && grip->normal->bends;
+    if (which == SCREE_SWITCH_PEAK) return grip->by_speed && grip->normal->memory && !grip->advancing;
     return which >= SCREE_SWITCH_SLIDE && scree_grip_may_slip(grip, which - SCREE_SWITCH_SLIDE);
 }
 
@@ -228,6 +230,37 @@ static double dips_at(double begin, double middle, double end, double small) {
     return least < -small || (ends >= 1e-6 && least < little) ? at : 1.0;
 }
 
+/* How a contact whose law has no reach is pressed at a share of the step of length h: on the cubic through its overlaps
+ * and their rates at both ends. */
+static struct scree_pressing pressed_at(const struct scree_adaptive *a, int k, double h, double share) {
+    double left = 1.0 - share, begin = a->before[k][SCREE_SWITCH_OVERLAP], end = a->view[k].overlap;
+    double closing = a->closing[k], closing_there = a->view[k].closing;
+    double rates = left * closing * a->work.k[0][Y_TIME] - share * closing_there * a->next[Y_TIME];
+    double overlap = left * left * (1.0 + 2.0 * share) * begin + share * share * (3.0 - 2.0 * share) * end;
+    return scree_pressed(overlap + share * left * h * rates, left * closing + share * closing_there, a->grip[k].first,
+                         a->grip[k].second);
+}
+
+/* Where, as a share of the step, a law that has let go enters another piece of its formula: it may push there and let
+ * go again before the end, but within one piece both ends of a step tell. 1: nowhere; next to either end doesn't count,
+ * or the step that was cut there would be cut again. */
+static double next_piece(const struct scree_adaptive *a, int k, double h) {
+    const struct scree_grip *grip = &a->grip[k];
+    if (grip->state != SCREE_GRIP_SPENT || !grip->normal->bends) return 1.0;
+    const struct scree_law_constants *law = &grip->rule->normal_constants;
+    double low = 1e-9, high = 1.0 - 1e-9;
+    struct scree_pressing from = pressed_at(a, k, h, low);
+    if (!grip->normal->bends(law, grip->of_normal, from, pressed_at(a, k, h, high))) return 1.0;
+    for (int n = 0; n < TRIES; n++) {
+        double middle = 0.5 * (low + high);
+        if (grip->normal->bends(law, grip->of_normal, from, pressed_at(a, k, h, middle)))
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
 double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     struct scree_adaptive *a = scene->adaptive;
     struct scree_grip_view *end = a->view;
@@ -236,8 +269,9 @@ double scree_adaptive_doubt(struct scree_scene *scene, double h) {
     for (int k = 0; k < a->grips; k++) {
         for (int w = 0; w < SCREE_SWITCHES; w++) any |= may_dip(&a->grip[k], w);
         for (int way = 0; way < SCREE_GRIP_WAYS; way++) slips |= a->grip[k].slips[way];
+        soonest = fmin(soonest, next_piece(a, k, h));
     }
-    if (!any) return 0.0;
+    if (!any) return soonest < 1.0 ? soonest * h : 0.0;
     for (size_t i = 0; i < a->work.size; i++)
         middle[i] = 0.5 * (a->y[i] + a->arrived[i]) + 0.125 * h * (a->work.k[0][i] - a->next[i]);
     a->view = a->halfway;

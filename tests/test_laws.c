@@ -243,8 +243,14 @@ static void test_table(void) {
     NEAR(f.elastic + f.damping, 35.0, 1e-14);
     f = law->force(constants, no_pair, press(5.5e-4, 9.0)); /* beyond the speeds as at the last */
     NEAR(f.elastic + 9.0 * f.damping, 42.5, 1e-13);
-    f = law->force(constants, no_pair, press(2e-3, -0.5)); /* beyond the overlaps as steep as before */
+    f = law->force(constants, no_pair, press(2e-3, -0.5)); /* beyond the overlaps as steep as before, damped as there */
     NEAR(f.elastic, 100.0, 1e-12);
+    NEAR(f.elastic - 0.5 * f.damping, 87.5, 1e-12);
+    /* Beside rest the dashpot is the slope, at speeds that say next to nothing too. */
+    f = law->force(constants, no_pair, press(5.5e-4, 1e-300));
+    NEAR(f.damping, 7.5, 1e-13);
+    f = law->force(constants, no_pair, press(5.5e-4, -1e-300));
+    NEAR(f.damping, 14.25, 1e-13);
     NEAR(law->stored(constants, no_pair, press(1e-3, 0.0)), 0.5 * (1e-4 * 5.0 + 9e-4 * 55.0), 1e-16);
     scree_free_rule(&rule);
 
