@@ -242,13 +242,15 @@ static struct scree_pressing pressed_at(const struct scree_adaptive *a, int k, d
 }
 
 /* Where, as a share of the step, a law that has let go enters another piece of its formula: it may push there and let
- * go again before the end, but within one piece both ends of a step tell. 1: nowhere; next to either end doesn't count,
- * or the step that was cut there would be cut again. */
+ * go again before the end, but within one piece both ends of a step tell. 1: nowhere; next to either end, within a
+ * millionth of the contact's depth, doesn't count, or the step that was cut there would be cut again. */
 static double next_piece(const struct scree_adaptive *a, int k, double h) {
     const struct scree_grip *grip = &a->grip[k];
     if (grip->state != SCREE_GRIP_SPENT || !grip->normal->bends) return 1.0;
     const struct scree_law_constants *law = &grip->rule->normal_constants;
-    double low = 1e-9, high = 1.0 - 1e-9;
+    double time = fabs(a->arrived[Y_TIME] - a->y[Y_TIME]), low = 1e-6 * grip->depth / (grip->speed * time);
+    double high = 1.0 - low;
+    if (!(low < high)) return 1.0;
     struct scree_pressing from = pressed_at(a, k, h, low);
     if (!grip->normal->bends(law, grip->of_normal, from, pressed_at(a, k, h, high))) return 1.0;
     for (int n = 0; n < TRIES; n++) {

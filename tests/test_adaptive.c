@@ -705,6 +705,24 @@ static void test_peaks_before_breaks(void) {
     }
 }
 
+/* A ball that `impact` has let go parts through the overlap at which its dashpot begins to fade: a step ends there,
+ * once. */
+static void test_parts_through_pieces(void) {
+    static const char text[] =
+        "gravity = [0, 0, -9.81]\n[time]\nend = 0.04\nstep = 0.001\n[[material]]\nname = \"a\"\n[[material]]\n"
+        "name = \"b\"\n[[contact]]\nbetween = [\"a\", \"b\"]\nnormal = { law = \"impact\", "
+        "stiffness = 629324.9578235551, exponent = 1.5, damping = 16.258071363430435, full = 2.24596513921518e-5 }\n"
+        "[[motion]]\nname = \"shake\"\nkind = \"sine\"\namplitude = 0.00033044560733858715\nfrequency = 40\n"
+        "phase = 5.876777878664493\n[[body]]\nname = \"ball\"\nshape = { sphere = 0.006922348576893539 }\n"
+        "mass = 0.02268093502787838\nmaterial = \"a\"\nposition = [0, 0, 0.007791719482587557]\n"
+        "velocity = [0, 0, 0.07628535903788389]\n[[body]]\nname = \"floor\"\nshape = { plane = true }\n"
+        "material = \"b\"\njoint = { z = \"shake\", others = \"fixed\" }\n";
+    scree_scene *scene = adaptive(text, 1e-12, NULL, 0);
+    CHECK(scree_scene_step(scene, 40) == SCREE_OK);
+    CHECK(scree_scene_effort(scene).steps < 3000);
+    scree_scene_destroy(scene);
+}
+
 /* A box tips over the border of a plate: a corner beyond it is pressed on it as on a wall, and loses it when it is
  * deeper than the plate is thick. What the law remembers grows up to there; that the contact then is no more is an
  * event of its own, not one at each rounding of the time. */
@@ -1074,6 +1092,7 @@ int main(void) {
     test_driven_box();
     test_swinging_plate();
     test_lets_go_shortly();
+    test_parts_through_pieces();
     test_peaks_before_jumps();
     test_far_off();
     test_measured();
