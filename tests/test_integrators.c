@@ -135,8 +135,8 @@ static void test_every_law(void) {
         "law=\"dmt\", modulus=1e8, adhesion=1.0",
         "law=\"table\", rows=[[0, 0], [1e-4, 2], [2e-4, 10], [3.5e-4, 40], [1e-3, 200]]",
         /* beyond whose end a dashpot that went on fading would drive the ball through the wall */
-        "law=\"table\", rows=[[0,-1,-10], [0,0,0], [0,1,10], [1e-4,-1,0], [1e-4,0,10], [1e-4,1,20], [2e-4,-1,15], "
-        "[2e-4,0,20], [2e-4,1,25]]",
+        ("law=\"table\", rows=[[0,-1,-10], [0,0,0], [0,1,10], [1e-4,-1,0], [1e-4,0,10], [1e-4,1,20], [2e-4,-1,15], "
+         "[2e-4,0,20], [2e-4,1,25]]"),
         "law=\"impact\", stiffness=5e6, exponent=1.5, damping=30.0, full=1e-4",
         "law=\"blend\", stiffness=1e5, damping=65.4, full=4e-4",
     };
