@@ -384,7 +384,7 @@ static double way_of(const struct scree_contacts *contacts, const struct scree_b
 }
 
 /* Before an outer list: all that its bodies may go until the next one is half the skin, path 0. Where bodies are many,
- * a few balls or boxes that are much faster than the others would use that up long before these, and an outer list
+ * a few that are much faster than the others would use that up long before these, and an outer list
  * costs as much as some ten steps: they may go farther, and their paths begin below 0. No result depends on it. */
 static void widen_margins(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double half = 0.5 * contacts->skin, steps = 0.0;
@@ -393,7 +393,7 @@ static void widen_margins(struct scree_contacts *contacts, const struct scree_bo
     contacts->widest_margin = half;
     for (int k = 0; k < bodies->count; k++) {
         bodies->path[k] = 0.0;
-        if (!many || !(bodies->class[k] == SCREE_CLASS_BALL || is_box(bodies, k))) continue;
+        if (!many || scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE) continue;
         double margin = fmin(1.5 * steps * way_of(contacts, bodies, k), contacts->most_margin);
         if (!(margin > 2.0 * half)) continue; /* one costs as much as a dozen others: only where it must be */
         bodies->path[k] = half - margin;

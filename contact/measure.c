@@ -1,6 +1,7 @@
 /* A contact as it is at one instant, measured without changing anything: by the laws' descriptions, apart from the
  * loop. */
 #include "contact/meet.h"
+#include "contact/slider.h"
 
 /* A slider that holds, as it was kept: what it bears beyond that is an error of the step, no slip yet. */
 static struct scree_tangential measure_held(const struct scree_rule *rule, struct scree_pair_constants pair,
@@ -9,7 +10,7 @@ static struct scree_tangential measure_held(const struct scree_rule *rule, struc
     const struct scree_law_constants *law = &rule->friction_constants;
     double k = friction->in_force ? 1.0 : friction->stiffness(law, pair, at.overlap);
     double c = friction->damping(law, pair, at.overlap), holds = friction->hold(law, at).holds;
-    struct vec trial = vec_axpy(vec_scale(k, at.stretch), c, at.velocity);
+    struct vec trial = scree_slider_trial(k, c, at.stretch, at.velocity);
     double size = vec_norm(trial);
     return (struct scree_tangential){vec_scale(size > holds ? -holds / size : -1.0, trial), at.stretch, 0.0};
 }

@@ -324,8 +324,8 @@ static scree_status take(struct scree_scene *scene, struct course *c, const stru
     a->stalled = time > next_to_nothing(a) ? 0 : a->stalled + 1;
     if (a->stalled > 300)
         return stop_at(scene, a->worst, -1,
-                       "contacts near it change to and fro without end, and time doesn't pass; its laws jump "
-                       "where they should be continuous");
+                       "contacts near it get nowhere in hundreds of steps: their laws jump where they should be "
+                       "continuous, or they are so far from the origin that their overlaps are rounding");
     scree_status status = scree_check_depth(scene, a->start + a->y[Y_TIME]);
     return status ? status : stop_at_edges(scene);
 }

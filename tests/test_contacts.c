@@ -301,18 +301,25 @@ static void test_candidates(void) {
     check_candidates(3.0, 0.002, 1000.0, 400, 0); /* higher than the table of places, so that cells share these */
 }
 
-/* Rods that spin and fall among small grains at rest, faster than these ever are: lists don't miss what they meet, and
- * serve for dozens of steps, not only until the tip of a rod has gone a tenth of a grain. */
-static void test_boxes_among_grains(void) {
+/* Rods that spin and fall among small grains at rest, and a paddle that is driven among them, faster than these ever
+ * are: lists don't miss what they meet, and serve for dozens of steps, not only until a tip has gone a tenth of a
+ * grain. */
+static void test_fast_among_grains(void) {
     enum { STEPS = 1500, RODS = 6 };
     char text[4096];
-    int used = snprintf(text, sizeof text,
-                        "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 8e-6\n"
-                        "[[material]]\nname = \"a\"\ndensity = 2000\n[[contact]]\nbetween = [\"a\", \"a\"]\n"
-                        "normal = { law = \"linear-cut\", stiffness = 2000, restitution = 0.5 }\n"
-                        "[[body]]\nname = \"floor\"\nmaterial = \"a\"\nshape = { plane = true }\njoint = \"fixed\"\n"
-                        "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"a\"\nradius = 0.001\n"
-                        "min = [-0.03, -0.03, 0]\nmax = [0.03, 0.03, 0.0022]\nspacing = 0.0021\n");
+    int used =
+        snprintf(text, sizeof text,
+                 "gravity = [0, 0, -9.81]\n[time]\nintegrator = \"verlet\"\nend = 1.0\nstep = 8e-6\n"
+                 "[[material]]\nname = \"a\"\ndensity = 2000\n[[contact]]\nbetween = [\"a\", \"a\"]\n"
+                 "normal = { law = \"linear-cut\", stiffness = 2000, restitution = 0.5 }\n"
+                 "[[body]]\nname = \"floor\"\nmaterial = \"a\"\nshape = { plane = true }\njoint = \"fixed\"\n"
+                 "[[generate]]\nname = \"g\"\nkind = \"lattice\"\nmaterial = \"a\"\nradius = 0.001\n"
+                 "min = [-0.03, -0.03, 0]\nmax = [0.03, 0.03, 0.0022]\nspacing = 0.0021\n"
+                 "[[motion]]\nname = \"stir\"\nkind = \"velocity\"\nvelocity = 60\n"
+                 "[[motion]]\nname = \"sink\"\nkind = \"velocity\"\nvelocity = -1\n"
+                 "[[body]]\nname = \"paddle\"\nmaterial = \"a\"\nshape = { rectangle = [0.02, 0.01] }\n"
+                 "position = [0, 0.029, 0.018]\norientation = { axis = [0, 1, 0], degrees = 60 }\n"
+                 "joint = { z = \"sink\", turn = { axis = [0, 1, 0], motion = \"stir\" }, others = \"fixed\" }\n");
     for (int k = 0; k < RODS; k++)
         used += snprintf(text + used, sizeof text - (size_t)used,
                          "[[body]]\nname = \"rod%d\"\nmaterial = \"a\"\nshape = { box = [0.02, 0.003, 0.003], rounding "
@@ -705,7 +712,7 @@ int main(void) {
     test_corners();
     test_boxes_depth();
     test_candidates();
-    test_boxes_among_grains();
+    test_fast_among_grains();
     test_lists();
     test_lists_of_slabs();
     test_momentum();
