@@ -167,6 +167,11 @@ static inline struct vec slip_at(const struct block *b, int k) {
 static inline struct vec shift_at(const struct block *b, int k) {
     return vec(b->shift[0][k], b->shift[1][k], b->shift[2][k]);
 }
+/* The spins of ball and host together; `even`: where there is a column for that. */
+static SCREE_INLINE struct vec spins_at(const struct block *b, int k, int even) {
+    struct vec ball = vec(b->ball_spin[0][k], b->ball_spin[1][k], b->ball_spin[2][k]);
+    return even ? ball : vec_add(ball, vec(b->host_spin[0][k], b->host_spin[1][k], b->host_spin[2][k]));
+}
 
 /* Where balls are of one size (scree_goes_even), what columns needn't say: sum of both radii, and the largest tolerable
  * overlap, m. */
@@ -458,7 +463,9 @@ static SCREE_INLINE void slide_lane(struct block *b, int k, double *const *kept,
     put(b->slip, k, roll.slip);
     b->lever[0][k] = roll.lever;
     b->lever[1][k] = roll.other;
-    if (remembers) put_kept(kept, k, scree_turn_along(get_kept(kept, k), n, roll.aside, step * b->inverse[k]));
+    if (!remembers) return;
+    double twirl = scree_twirl_angle(n, spins_at(b, k, sizes.even), step);
+    put_kept(kept, k, scree_turn_along(get_kept(kept, k), n, roll.aside, step * b->inverse[k], twirl));
 }
 
 static SCREE_INLINE void slide_balls_as(struct block *b, int count, double *const *kept, struct wants wants, int even,

@@ -56,8 +56,12 @@ static inline struct scree_bristle scree_bristle_path(struct scree_sliding at, s
                                                       double most) {
     double x = scree_bristle_pace(at, s0, g) * at.half, way = at.half * scree_eased(x, scree_exp(-x));
     /* Written as steps towards v = a z, so that saturation is met to rounding however small the steps. */
-    struct scree_bristle path;
-    path.middle = scree_bristle_cut(vec_axpy(z, way, scree_bristle_rate(at, z, s0, g)), most);
+    struct scree_bristle path = {.middle = vec_axpy(z, way, scree_bristle_rate(at, z, s0, g))};
+    double excess = vec_norm(path.middle) - most, left = 1.0 - excess / (vec_norm(z) + SCREE_NO_FORCE);
+    /* A bristle turns the faster the shorter it is: what is cut turns as one that is short enough all along. */
+    struct vec fits = vec_scale(left > 0.0 ? left : 0.0, z);
+    fits = scree_bristle_cut(vec_axpy(fits, way, scree_bristle_rate(at, fits, s0, g)), most);
+    path.middle = excess > 0.0 ? fits : path.middle;
     path.rate = scree_bristle_rate(at, path.middle, s0, g);
     path.end = vec_axpy(path.middle, way, path.rate);
     return path;

@@ -295,6 +295,11 @@ static void set_velocities(const struct scree_grip *grip, const struct scree_bod
     view->velocity[SCREE_GRIP_TWISTING] = vec(along, 0.0, 0.0);
 }
 
+/* How fast a stretch turns: with the normal, and about it. */
+static struct vec turning_rate(struct vec stretch, struct vec n, struct vec turning, double twirling) {
+    return vec_axpy(vec_scale(-vec_dot(stretch, turning), n), twirling, vec_cross(n, stretch));
+}
+
 void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *bodies, const double *memory,
                       struct scree_grip_view *view) {
     struct vec n = view->normal, zero = {0.0, 0.0, 0.0};
@@ -314,6 +319,7 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
     struct vec centre_velocity =
         vec_add(vec_from(ball->v), vec_cross(ball_spin, vec_from(bodies->corner[grip->contact.corner])));
     struct vec centre = vec_add(vec_from(ball->x), vec_from(bodies->corner[grip->contact.corner])), turning = zero;
+    double twirling = scree_twirl_angle(n, vec_add(ball_spin, scree_spin_of(bodies, grip->contact.host)), 1.0);
     if (scree_grip_is_slider(grip, SCREE_GRIP_FRICTION) || scree_grip_is_slider(grip, SCREE_GRIP_ROLLING) ||
         (grip->friction && grip->friction->rate))
         turning = normal_rate(grip, bodies, centre, centre_velocity, n);
@@ -322,13 +328,15 @@ void scree_grip_press(const struct scree_grip *grip, const struct scree_bodies *
         struct vec force = resist(grip, SCREE_GRIP_FRICTION, normal, scree_into_tangent_plane(stretch, n), view);
         view->push = vec_add(view->push, force);
         view->rubbing -= vec_dot(force, view->slip);
-        view->rate[SCREE_GRIP_FRICTION] = vec_axpy(view->rate[SCREE_GRIP_FRICTION], -vec_dot(stretch, turning), n);
+        view->rate[SCREE_GRIP_FRICTION] =
+            vec_add(view->rate[SCREE_GRIP_FRICTION], turning_rate(stretch, n, turning, twirling));
     }
     if (!grip->rolling) return;
     struct vec stretch = vec_from(memory + 3 * SCREE_GRIP_ROLLING);
     struct vec rolling = resist(grip, SCREE_GRIP_ROLLING, normal, scree_into_tangent_plane(stretch, n), view);
     struct vec twisting = resist(grip, SCREE_GRIP_TWISTING, normal, vec_from(memory + 3 * SCREE_GRIP_TWISTING), view);
-    view->rate[SCREE_GRIP_ROLLING] = vec_axpy(view->rate[SCREE_GRIP_ROLLING], -vec_dot(stretch, turning), n);
+    view->rate[SCREE_GRIP_ROLLING] =
+        vec_add(view->rate[SCREE_GRIP_ROLLING], turning_rate(stretch, n, turning, twirling));
     view->torque = vec_scale(grip->lever, vec_axpy(rolling, twisting.x, n));
     view->rubbing -= vec_dot(rolling, view->velocity[SCREE_GRIP_ROLLING]);
     view->rubbing -= twisting.x * view->velocity[SCREE_GRIP_TWISTING].x;

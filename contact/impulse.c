@@ -227,8 +227,9 @@ static int pieces_for(const struct scree_pair_motion *p, const struct scree_pair
     return 1 + (int)fmin(4.0 * p->step * sqrt(stiff), 63.0);
 }
 
+/* `twirl`: from the middle of the last step to that of this one (contact/law.h). */
 static struct scree_pair_instant instant_of(const struct scree_pair_motion *p, struct place place, struct view now,
-                                            struct vec velocity) {
+                                            struct vec velocity, double twirl) {
     struct scree_pair_instant at = {.overlap = now.overlap, .velocity = velocity};
     double *const *kept = place.batch->kept;
     int k = place.index;
@@ -238,7 +239,7 @@ static struct scree_pair_instant instant_of(const struct scree_pair_motion *p, s
     }
     if (p->friction && p->friction->memory) {
         struct vec stretch = vec(kept[0][k], kept[1][k], kept[2][k]);
-        at.stretch = scree_into_tangent_plane(stretch, now.normal);
+        at.stretch = scree_twirl(scree_into_tangent_plane(stretch, now.normal), now.normal, twirl);
         at.sliding = scree_kept(place.batch, SCREE_KEPT_STATE, k);
     }
     return at;
@@ -362,8 +363,9 @@ static struct turning turning_of(const struct scree_bodies *bodies, struct place
                                  double impulse, double *const *own, double step) {
     const struct scree_ends *contact = &place.batch->ends[place.index];
     int k = place.index;
-    struct vec spin = vec_sub(scree_spin_of(bodies, contact->ball), scree_spin_of(bodies, contact->host));
-    struct vec velocity = vec_scale(scree_pair(place.batch, SCREE_PAIR_LEVER, k), spin), n = middle.normal;
+    struct vec ball = scree_spin_of(bodies, contact->ball), host = scree_spin_of(bodies, contact->host);
+    struct vec velocity = vec_scale(scree_pair(place.batch, SCREE_PAIR_LEVER, k), vec_sub(ball, host));
+    struct vec n = middle.normal, stretch;
     double along = vec_dot(velocity, n), time = step * part_left(bodies, place, middle, step);
     struct scree_sliding at = {
         .normal = impulse > 0.0 ? impulse / time : 0.0, .overlap = middle.overlap, .half = 0.5 * time};
@@ -371,7 +373,8 @@ static struct turning turning_of(const struct scree_bodies *bodies, struct place
     t.rolling.velocity = vec_axpy(velocity, -along, n);
     t.twisting.velocity = vec(along, 0.0, 0.0);
     if (!own) return t;
-    t.rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);
+    stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);
+    t.rolling.stretch = scree_twirl(stretch, n, scree_twirl_angle(n, vec_add(ball, host), step));
     t.rolling.sliding = own[3][k];
     t.twisting.stretch = vec(own[4][k], 0.0, 0.0);
     t.twisting.sliding = own[5][k];
@@ -499,7 +502,8 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     p->step = step;
     set_give(p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);
-    o->at = instant_of(p, place, now, velocity);
+    double twirl = scree_twirl_angle(now.normal, vec_add(ball.spin, host.spin), step);
+    o->at = instant_of(p, place, now, velocity, twirl);
     o->sum = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
     /* Corners bear all; the plain normal would foretell a touch. */
     int covered = batch->geometry == SCREE_EDGE_EDGE && now.overlap == 0.0;

@@ -18,7 +18,9 @@
 enum { SCREE_LAW_CONSTANTS = 12, SCREE_PAIR_CONSTANTS = 4, SCREE_PARAMETERS = SCREE_SETTINGS_MAX };
 
 /* What is kept of a contact between steps, if a law asks for it: friction's stretch and state, two numbers of the
- * normal law, and stretch and state of rolling and of twisting. All zero when a contact begins. */
+ * normal law, and stretch and state of rolling and of twisting. All zero when a contact begins. Stretches turn with
+ * the contact from the middle of a step to that of the next, so that what is kept at its end lacks half a step's turn
+ * (contact/measure.c adds it), except under the adaptive integrator. */
 enum {
     SCREE_KEPT_FRICTION = 0,
     SCREE_KEPT_STATE = 3,

@@ -1,7 +1,7 @@
 /* The contact loop: blocks of contacts go through short passes over columns that stay in the L1 cache,
  *   fetch      body records, subtracted row by row
  *   meet       normal and overlap
- *   slide      levers, tangential velocity; stretches turn with the normal
+ *   slide      levers, tangential velocity; stretches turn with normal and bodies
  *   normal     the normal law
  *   friction   the friction law with its memory; a slider's in four passes
  *   rolling    the rolling law with its memory, where there is one

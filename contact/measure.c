@@ -3,6 +3,14 @@
 #include "contact/meet.h"
 #include "contact/slider.h"
 
+/* A stretch as it is at the end of a step, which has turned it as far as its middle (contact/law.h). */
+static struct vec stretch_now(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct vec kept,
+                              const struct scree_touch *touch) {
+    struct vec n = touch->normal;
+    struct vec spins = vec_add(scree_spin_of(bodies, touch->ball), scree_spin_of(bodies, touch->host));
+    return scree_twirl(scree_into_tangent_plane(kept, n), n, scree_twirl_angle(n, spins, 0.5 * contacts->step));
+}
+
 /* A slider that holds, as it was kept: what it bears beyond that is an error of the step, no slip yet. */
 static struct scree_tangential measure_held(const struct scree_rule *rule, struct scree_pair_constants pair,
                                             struct scree_sliding at) {
@@ -16,15 +24,17 @@ static struct scree_tangential measure_held(const struct scree_rule *rule, struc
 }
 
 /* Friction at this instant, and what its spring holds. */
-static void measure_friction(const struct scree_rule *rule, struct scree_pair_constants pair,
-                             const struct scree_batch *batch, int index, struct scree_touch *touch) {
+static void measure_friction(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                             struct scree_pair_constants pair, const struct scree_batch *batch, int index,
+                             struct scree_touch *touch) {
+    const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
                                .overlap = touch->overlap,
                                .velocity = touch->slip};
     if (friction->memory) {
-        at.stretch = scree_into_tangent_plane(
-            vec(scree_kept(batch, 0, index), scree_kept(batch, 1, index), scree_kept(batch, 2, index)), touch->normal);
+        struct vec kept = vec(scree_kept(batch, 0, index), scree_kept(batch, 1, index), scree_kept(batch, 2, index));
+        at.stretch = stretch_now(contacts, bodies, kept, touch);
         at.sliding = scree_kept(batch, 3, index);
     }
     int held = friction->hold && !(at.sliding > 0.0);
@@ -38,8 +48,9 @@ static void measure_friction(const struct scree_rule *rule, struct scree_pair_co
 }
 
 /* Torque of the rolling law at this instant, and what its springs hold. */
-static void measure_turning(const struct scree_rule *rule, const struct scree_bodies *bodies, double lever,
-                            const double kept[6], struct scree_touch *touch) {
+static void measure_turning(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                            const struct scree_rule *rule, double lever, const double kept[6],
+                            struct scree_touch *touch) {
     const struct scree_rolling_law *law = scree_rolling_laws[rule->rolling];
     const struct scree_law_constants *constants = &rule->rolling_constants;
     struct vec n = touch->normal;
@@ -49,7 +60,7 @@ static void measure_turning(const struct scree_rule *rule, const struct scree_bo
     struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
                                .overlap = touch->overlap,
                                .velocity = vec_axpy(velocity, -along, n)};
-    at.stretch = scree_into_tangent_plane(vec_from(kept), n);
+    at.stretch = stretch_now(contacts, bodies, vec_from(kept), touch);
     at.sliding = kept[3];
     struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], at);
     at.velocity = vec(along, 0.0, 0.0);
@@ -139,12 +150,12 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->lean = lean;
     touch->point = vec_add(vec_from(ball->x), gait.arm);
     touch->slip = gait.slip;
-    if (rule->friction >= 0) measure_friction(rule, tangential_pair, batch, index, touch);
+    if (rule->friction >= 0) measure_friction(contacts, bodies, tangential_pair, batch, index, touch);
     if (rule->rolling < 0) return 1;
     double turned[6] = {0.0};
     for (int k = 0; scree_rolling_laws[rule->rolling]->memory && k < 6; k++)
         turned[k] = scree_kept(batch, SCREE_KEPT_ROLLING + k, index);
-    measure_turning(rule, bodies, scree_pair(batch, SCREE_PAIR_LEVER, index), turned, touch);
+    measure_turning(contacts, bodies, rule, scree_pair(batch, SCREE_PAIR_LEVER, index), turned, touch);
     return 1;
 }
 

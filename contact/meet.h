@@ -208,11 +208,26 @@ static SCREE_INLINE struct vec scree_into_tangent_plane(struct vec stretch, stru
     return vec_scale(scale, flat);
 }
 
-/* The same of two balls, whose normal turns as their centres go round each other, by w = h v/r in a step, where v is
- * their relative velocity across the normal: s - (s.n)(n - w/2). Errs by the third order of w, and takes no division.
- * `per`: h/r, s/m. */
-static SCREE_INLINE struct vec scree_turn_along(struct vec stretch, struct vec normal, struct vec aside, double per) {
-    return vec_axpy(stretch, -vec_dot(stretch, normal), vec_axpy(normal, -0.5 * per, aside));
+/* The angle in `time` by which a stretch turns about the normal: the mean of both bodies. Without it friction would
+ * depend on who looks at it: turned as a whole, bodies that hold each other would slip (Kuhn, Suzuki & Daouadji,
+ * "Linear-frictional contact model for 3D discrete element simulations of granular systems", 2020: twirling). `spins`:
+ * of both together. */
+static SCREE_INLINE double scree_twirl_angle(struct vec normal, struct vec spins, double time) {
+    return 0.5 * time * vec_dot(normal, spins);
+}
+
+/* A stretch in the tangent plane, turned by that. Errs by the third order of the angle, in its length by the fourth. */
+static SCREE_INLINE struct vec scree_twirl(struct vec stretch, struct vec normal, double angle) {
+    return vec_axpy(vec_scale(1.0 - 0.5 * angle * angle, stretch), angle, vec_cross(normal, stretch));
+}
+
+/* Both of two balls, whose normal turns as their centres go round each other, by w = h v/r in a step, where v is their
+ * relative velocity across the normal: s - (s.n)(n - w/2). Errs by the third order of both angles, and takes no
+ * division. `per`: h/r, s/m. */
+static SCREE_INLINE struct vec scree_turn_along(struct vec stretch, struct vec normal, struct vec aside, double per,
+                                                double twirl) {
+    struct vec upright = vec_axpy(normal, -0.5 * per, aside);
+    return vec_axpy(scree_twirl(stretch, normal, twirl), -vec_dot(stretch, normal), upright);
 }
 
 #endif

@@ -181,6 +181,20 @@ static void end_sliders(struct block *b, int count, double *const *kept) {
     }
 }
 
+/* ---- stretches ---- */
+
+/* A stretch that was kept a step ago, as bodies have turned since. */
+static SCREE_INLINE struct vec turned_stretch(const struct block *b, int k, double *const *kept, double step) {
+    struct vec n = normal_at(b, k), spins = spins_at(b, k, 0);
+    return scree_twirl(scree_into_tangent_plane(get_kept(kept, k), n), n, scree_twirl_angle(n, spins, step));
+}
+
+/* Of contacts that aren't of two balls. */
+static void turn_stretches(const struct block *b, int count, double step, double *const *kept) {
+    _Pragma("omp simd")
+    for (int k = 0; k < padded(count); k++) put_kept(kept, k, turned_stretch(b, k, kept, step));
+}
+
 /* ---- rolling ---- */
 
 /* Columns for the rolling laws: lever x angular velocity of the ball against the host, m/s. */
@@ -218,7 +232,7 @@ static void begin_turning(const struct block *b, int count, double step, const d
         struct scree_sliding twisting = rolling;                                                                       \
         twisting.velocity = vec(along, 0.0, 0.0);                                                                      \
         if (scree_rolling_##word.memory) {                                                                             \
-            rolling.stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);                       \
+            rolling.stretch = turned_stretch(b, k, own, half + half);                                                  \
             rolling.sliding = own[3][k];                                                                               \
             twisting.stretch = vec(own[4][k], 0.0, 0.0);                                                               \
             twisting.sliding = own[5][k];                                                                              \
@@ -283,13 +297,6 @@ static void pack(const double *state, int count, unsigned char *slides) {
     for (int k = 0; k < padded(count); k++) slides[k] = (unsigned char)state[k];
 }
 #endif
-
-/* Of contacts that aren't of two balls, stretches come into the tangent plane. */
-static void lean_stretches(const struct block *b, int count, double *const *kept) {
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++)
-        put_kept(kept, k, scree_into_tangent_plane(get_kept(kept, k), normal_at(b, k)));
-}
 
 /* What is the same for all blocks of a run of contacts, and where the columns of the next block are. */
 struct work {
@@ -386,7 +393,7 @@ static void press(struct work *w, int first, int count, int events, struct block
     else if (w->balls && w->wants.takes_roots)
         find_fourth_roots(b, count);
     else if (w->wants.remembers)
-        lean_stretches(b, count, w->kept);
+        turn_stretches(b, count, step, w->kept);
     normal_passes[rule->normal](b, count, &rule->normal_constants, w->pair, w->kept, step);
     if (w->bends && events & CHANGES) begin_stretches(b, count, step, w->kept);
     uint32_t begins = w->in_force && events & CHANGES ? begin_forces(w, b, count) : 0;

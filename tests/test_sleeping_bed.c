@@ -39,7 +39,7 @@ static char *bed_text(void) {
     int used = sprintf(
         text,
         "%s%s[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.011\njitter = 4e-4\n"
-        "min = [0, 0, 0]\nmax = [0.2, 0.08, 0.3]\ncount = %d\nmaterial = \"ball\"\nseed = 4\n",
+        "min = [0, 0, 0]\nmax = [0.2, 0.08, 0.3]\ncount = %d\nmaterial = \"ball\"\nseed = 11\n",
         head, press, BALLS);
     for (int k = 0; k < BOXES; k++)
         used += sprintf(text + used,
