@@ -227,9 +227,9 @@ static int pieces_for(const struct scree_pair_motion *p, const struct scree_pair
     return 1 + (int)fmin(4.0 * p->step * sqrt(stiff), 63.0);
 }
 
-/* `twirl`: from the middle of the last step to that of this one (contact/law.h). */
+/* `spins`: of both bodies together. */
 static struct scree_pair_instant instant_of(const struct scree_pair_motion *p, struct place place, struct view now,
-                                            struct vec velocity, double twirl) {
+                                            struct vec velocity, struct vec spins) {
     struct scree_pair_instant at = {.overlap = now.overlap, .velocity = velocity};
     double *const *kept = place.batch->kept;
     int k = place.index;
@@ -239,7 +239,7 @@ static struct scree_pair_instant instant_of(const struct scree_pair_motion *p, s
     }
     if (p->friction && p->friction->memory) {
         struct vec stretch = vec(kept[0][k], kept[1][k], kept[2][k]);
-        at.stretch = scree_twirl(scree_into_tangent_plane(stretch, now.normal), now.normal, twirl);
+        at.stretch = scree_turned(stretch, now.normal, spins, p->step);
         at.sliding = scree_kept(place.batch, SCREE_KEPT_STATE, k);
     }
     return at;
@@ -365,7 +365,7 @@ static struct turning turning_of(const struct scree_bodies *bodies, struct place
     int k = place.index;
     struct vec ball = scree_spin_of(bodies, contact->ball), host = scree_spin_of(bodies, contact->host);
     struct vec velocity = vec_scale(scree_pair(place.batch, SCREE_PAIR_LEVER, k), vec_sub(ball, host));
-    struct vec n = middle.normal, stretch;
+    struct vec n = middle.normal;
     double along = vec_dot(velocity, n), time = step * part_left(bodies, place, middle, step);
     struct scree_sliding at = {
         .normal = impulse > 0.0 ? impulse / time : 0.0, .overlap = middle.overlap, .half = 0.5 * time};
@@ -373,8 +373,7 @@ static struct turning turning_of(const struct scree_bodies *bodies, struct place
     t.rolling.velocity = vec_axpy(velocity, -along, n);
     t.twisting.velocity = vec(along, 0.0, 0.0);
     if (!own) return t;
-    stretch = scree_into_tangent_plane(vec(own[0][k], own[1][k], own[2][k]), n);
-    t.rolling.stretch = scree_twirl(stretch, n, scree_twirl_angle(n, vec_add(ball, host), step));
+    t.rolling.stretch = scree_turned(vec(own[0][k], own[1][k], own[2][k]), n, vec_add(ball, host), step);
     t.rolling.sliding = own[3][k];
     t.twisting.stretch = vec(own[4][k], 0.0, 0.0);
     t.twisting.sliding = own[5][k];
@@ -502,8 +501,7 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     p->step = step;
     set_give(p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);
-    double twirl = scree_twirl_angle(now.normal, vec_add(ball.spin, host.spin), step);
-    o->at = instant_of(p, place, now, velocity, twirl);
+    o->at = instant_of(p, place, now, velocity, vec_add(ball.spin, host.spin));
     o->sum = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
     /* Corners bear all; the plain normal would foretell a touch. */
     int covered = batch->geometry == SCREE_EDGE_EDGE && now.overlap == 0.0;

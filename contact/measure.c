@@ -6,9 +6,8 @@
 /* A stretch as it is at the end of a step, which has turned it as far as its middle (contact/law.h). */
 static struct vec stretch_now(const struct scree_contacts *contacts, const struct scree_bodies *bodies, struct vec kept,
                               const struct scree_touch *touch) {
-    struct vec n = touch->normal;
     struct vec spins = vec_add(scree_spin_of(bodies, touch->ball), scree_spin_of(bodies, touch->host));
-    return scree_twirl(scree_into_tangent_plane(kept, n), n, scree_twirl_angle(n, spins, 0.5 * contacts->step));
+    return scree_turned(kept, touch->normal, spins, 0.5 * contacts->step);
 }
 
 /* A slider that holds, as it was kept: what it bears beyond that is an error of the step, no slip yet. */

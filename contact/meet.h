@@ -221,6 +221,11 @@ static SCREE_INLINE struct vec scree_twirl(struct vec stretch, struct vec normal
     return vec_axpy(vec_scale(1.0 - 0.5 * angle * angle, stretch), angle, vec_cross(normal, stretch));
 }
 
+/* Both: a stretch that was kept `time` ago. */
+static SCREE_INLINE struct vec scree_turned(struct vec stretch, struct vec normal, struct vec spins, double time) {
+    return scree_twirl(scree_into_tangent_plane(stretch, normal), normal, scree_twirl_angle(normal, spins, time));
+}
+
 /* Both of two balls, whose normal turns as their centres go round each other, by w = h v/r in a step, where v is their
  * relative velocity across the normal: s - (s.n)(n - w/2). Errs by the third order of both angles, and takes no
  * division. `per`: h/r, s/m. */

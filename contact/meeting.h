@@ -201,8 +201,7 @@ static SCREE_INLINE void meet_lane(struct block *b, int k, double step, int ball
     struct vec slip = vec_sub(rush, vec_cross(by_arms(to, k, sizes.even, spin, other), n));
     put(c->v, k, vec_axpy(slip, -vec_dot(slip, n), n));
     put(c->q, k, vec_scale(0.5, vec_cross(sizes.even ? spin : vec_add(spin, other), n)));
-    struct vec stretch = scree_into_tangent_plane(get(c->s, k), n);
-    put(c->s, k, scree_twirl(stretch, n, scree_twirl_angle(n, spins_at(b, k, sizes.even), step)));
+    put(c->s, k, scree_turned(get(c->s, k), n, spins_at(b, k, sizes.even), step));
     double ball = to->arm[k] * to->ball_turn[3][k], host = to->host_arm[k] * to->host_turn[3][k];
     double by_turns = to->arm[k] * ball;
     m->give_aside[k] += sizes.even ? by_turns : by_turns + to->host_arm[k] * host;

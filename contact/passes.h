@@ -185,8 +185,7 @@ static void end_sliders(struct block *b, int count, double *const *kept) {
 
 /* A stretch that was kept a step ago, as bodies have turned since. */
 static SCREE_INLINE struct vec turned_stretch(const struct block *b, int k, double *const *kept, double step) {
-    struct vec n = normal_at(b, k), spins = spins_at(b, k, 0);
-    return scree_twirl(scree_into_tangent_plane(get_kept(kept, k), n), n, scree_twirl_angle(n, spins, step));
+    return scree_turned(get_kept(kept, k), normal_at(b, k), spins_at(b, k, 0), step);
 }
 
 /* Of contacts that aren't of two balls. */
