@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
-enum { LARGE = 64 << 10, LINE = 256 };
+enum { LARGE = 64 << 10, LINE = 256, HUGE_PAGE = 2 << 20 };
 
 /* What lies in front of an array: how much of it comes from the system, 0: it is of the heap. */
 struct front {
@@ -16,9 +17,25 @@ struct front {
     char unused[LINE - sizeof(size_t)];
 };
 
+static size_t up_to(size_t size, size_t unit) { return (size + unit - 1) / unit * unit; }
+
+/* From the system, so that what holds a huge page begins with one: the kernel makes none that an array holds in part.
+ * What lies in front of it and behind is given back. */
+static char *map_at_huge_page(size_t size) {
+    size_t spare = size < HUGE_PAGE ? 0 : HUGE_PAGE;
+    char *start = mmap(NULL, size + spare, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (start == MAP_FAILED) return NULL;
+    size_t before = spare ? up_to((uintptr_t)start, HUGE_PAGE) - (uintptr_t)start : 0, behind = spare - before;
+    if (before) munmap(start, before);
+    if (behind) munmap(start + before + size, behind);
+    return start + before;
+}
+
 static struct front *map(size_t size) {
-    struct front *front = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (front == MAP_FAILED) return NULL;
+    size_t huge = up_to(size, HUGE_PAGE);
+    size = huge - size <= size / 8 ? huge : up_to(size, (size_t)sysconf(_SC_PAGESIZE));
+    struct front *front = (struct front *)map_at_huge_page(size);
+    if (!front) return NULL;
 #ifdef MADV_HUGEPAGE
     madvise(front, size, MADV_HUGEPAGE); /* fewer misses when bodies are looked up; where it is refused, so be it */
 #endif

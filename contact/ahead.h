@@ -15,9 +15,10 @@ static SCREE_INLINE void scree_prefetch(const void *array, size_t from, size_t t
 
 /* The same of what will be written: other processors give their copies away at once. (PREFETCHW, where a loop is
  * compiled for it; processors that lack it do nothing.) */
+static SCREE_INLINE void scree_prefetch_line(const void *line) { __builtin_prefetch(line, 1, 2); }
 static SCREE_INLINE void scree_prefetch_to_write(void *array, size_t from, size_t to) {
     for (char *line = (char *)array + from, *end = (char *)array + to; line < end; line += 64)
-        __builtin_prefetch(line, 1, 2);
+        scree_prefetch_line(line);
 }
 
 /* Both, counted in an array's elements. */

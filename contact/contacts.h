@@ -601,15 +601,19 @@ static inline void scree_note(double value, const struct scree_bodies *bodies, i
 /* Slabs go in stretches of so many (slabs.c). */
 enum { SCREE_STRETCH = 3 };
 
-/* From one piece of a slab's contacts of two balls to the next: bodies before place `prefetched` have been asked
- * for; so many contacts come behind the piece; the next slab is another thread's. */
+/* From one piece of a slab's contacts of two balls to the next: by pair impulses bodies before place `prefetched`
+ * have been asked for; so many contacts come behind the piece; the next slab is another thread's. */
 struct scree_trail {
     int prefetched, behind, at_border;
 };
 
-/* The first place that a contact has to do with. */
+/* The first place that a contact has to do with, and the last one. */
 static inline int scree_first_of(const struct scree_ends *contact) {
     return contact->ball < contact->host ? contact->ball : contact->host;
+}
+
+static inline int scree_last_of(const struct scree_ends *contact) {
+    return contact->ball > contact->host ? contact->ball : contact->host;
 }
 
 /* Work off the segments of the slabs by as many threads, piece by piece (slabs.c); tallies are added up. `trail`: from

@@ -123,45 +123,37 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 
 /* ---- memory ---- */
 
-/* Bodies lie in the order in which contacts come to them, so that a scene goes through the cache once a step: from
- * AHEAD bodies before they are needed. Partners that lie farther (of the next slab) are asked for by themselves. What
- * stays in the third cache isn't asked for, unless another thread has written it: to write what others have copies of
- * takes longer than to read it. */
-enum { AHEAD = 192, BLOCKS_AHEAD = 3 };
+/* A scene that the third cache doesn't hold goes through the others once a step: what contacts need is asked for some
+ * blocks before. Of two bodies that is the later one, since the other has been the later one before. Most are asked for
+ * several times; to find out which are new would cost more, in branches that a processor guesses wrong. What stays in
+ * the third cache isn't asked for, unless another thread has written it: to write what others have copies of takes
+ * longer than to read it. */
+enum { BLOCKS_AHEAD = 2 };
 
-static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, int from, int to) {
-    SCREE_PREFETCH_TO_WRITE(bodies->record, from, to);
-    SCREE_PREFETCH_TO_WRITE(bodies->spin, from, to);
-    SCREE_PREFETCH_TO_WRITE(bodies->state, from, to);
+/* All that a step needs of a body. */
+static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int place) {
+    scree_prefetch_line(bodies->record[place].x);
+    scree_prefetch_line(bodies->record[place].impulse);
+    scree_prefetch_line(&bodies->spin[place]);
+    scree_prefetch_line(&bodies->state[place]);
+    scree_prefetch_line(&bodies->path[place]);
 }
 
-/* Those of a block that lie beyond a place. */
-static SCREE_INLINE void call_far(const struct scree_bodies *bodies, const struct scree_ends *own, int beyond) {
-    uint32_t far = 0;
-    for (int k = 0; k < SCREE_LANES; k++) far |= (uint32_t)((own[k].host > beyond) | (own[k].ball > beyond)) << k;
-    for (; far; far &= far - 1) {
-        int k = __builtin_ctz(far), later = own[k].host > own[k].ball ? own[k].host : own[k].ball;
-        SCREE_PREFETCH_TO_WRITE(bodies->record, later, later + 1);
-        SCREE_PREFETCH_TO_WRITE(bodies->spin, later, later + 1);
-    }
-}
-
-/* A quarter of it is asked for after each pass: at once it would wait in a queue, and the passes behind it.
- * `prefetched`: bodies before this place have been. */
+/* For a quarter of a block at a time: at once it would wait in a queue, and the passes behind it. `left`: contacts from
+ * `own` on. */
 static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                         const struct work *w, const struct scree_ends *own, int left, int quarter,
-                                        struct scree_trail *trail) {
+                                        const struct scree_trail *trail) {
     enum { QUARTER = SCREE_LANES / 4 };
     if (bodies->count < contacts->cached && !trail->at_border) return;
-    int first = scree_first_of(own), goal = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
-    int from = trail->prefetched > first ? trail->prefetched : first,
-        to = from + (goal - from + 3 - quarter) / (4 - quarter);
-    int later = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER;
-    if (to > from) prefetch_bodies(bodies, from, trail->prefetched = to);
-    if (quarter == 0 && left > BLOCKS_AHEAD * SCREE_LANES)
-        call_far(bodies, own + (BLOCKS_AHEAD - 1) * SCREE_LANES, first + AHEAD);
-    SCREE_PREFETCH(own, later, later + QUARTER);
-    for (int m = 0; w->wants.remembers && m < 3; m++) SCREE_PREFETCH(w->kept[m], later, later + QUARTER);
+    int from = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER, to = from + QUARTER;
+    if (to <= left)
+        for (int k = from; k < to; k++) prefetch_body(bodies, scree_last_of(&own[k]));
+    SCREE_PREFETCH(own, from + SCREE_LANES, to + SCREE_LANES);
+    if (!w->wants.remembers) return;
+    for (int m = 0; m < 3; m++) SCREE_PREFETCH_TO_WRITE(w->kept[m], from, to);
+    if (quarter == 0 && w->batch->slides)
+        scree_prefetch_line(w->batch->slides + (own - w->batch->ends) + to + SCREE_LANES);
 }
 
 /* ---- bodies ---- */

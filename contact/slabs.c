@@ -77,7 +77,7 @@ static int end_of_piece(const struct scree_batch *batch, const struct scree_part
 static void widen_gate(const struct scree_batch *batch, int from, int to, int end, struct scree_gate *gate) {
     for (int c = from; c < to; c++) {
         const struct scree_ends *contact = &batch->ends[c];
-        int later = contact->ball > contact->host ? contact->ball : contact->host, beyond = later >= end;
+        int later = scree_last_of(contact), beyond = later >= end;
         if (!beyond && later > gate->last_own) gate->last_own = later;
         if (beyond && later > gate->last_next) gate->last_next = later;
         if (beyond && later < gate->first_next) gate->first_next = later;
@@ -282,31 +282,43 @@ static int take_others(struct slabs *all, struct share own, char so_far, int *le
     return -1;
 }
 
-/* Take the next slab, an own one, or one of others' shares if the own one is through: one that needn't wait, or else
- * one that goes strip by strip behind others. Returns -1 if none is ready; `left`: there will be one. */
-static int take_slab(struct slabs *all, struct share own, int *left) {
+static int is_left(const struct slabs *all) {
+    for (int slab = 0; slab < all->slabs; slab++)
+        if (atomic_load(&all->state[slab]) == FREE) return 1;
+    return 0;
+}
+
+/* Take the next slab, an own one, or, if `helps`, one of others' shares if the own one is through: one that needn't
+ * wait, or else one that goes strip by strip behind others. Returns -1 if none is ready; `left`: there will be one. */
+static int take_slab(struct slabs *all, struct share own, int helps, int *left) {
     int follows = !goes_whole(all);
     *left = 0;
     int slab = take_own(all, own, DONE, left);
     if (slab < 0 && follows) slab = take_own(all, own, TAKEN, left);
-    if (slab < 0) slab = take_others(all, own, DONE, left);
-    if (slab < 0 && follows) slab = take_others(all, own, TAKEN, left);
+    if (slab < 0 && helps) slab = take_others(all, own, DONE, left);
+    if (slab < 0 && helps && follows) slab = take_others(all, own, TAKEN, left);
+    if (slab < 0 && !helps) *left = is_left(all);
     return slab;
 }
 
-/* Whether the next slab was another thread's, and it is through with it by now: not where shares are short. */
+/* Whether another thread had a slab that this one touches, or the bodies that it shares with that: by now it is through
+ * with them, but not where shares are short. */
 static int is_at_border(const struct slabs *all, int slab, struct share own) {
-    return slab + 1 == own.to && own.to < all->slabs && own.to - own.from > SCREE_STRETCH;
+    if (own.to - own.from <= SCREE_STRETCH) return 0;
+    return (slab + 1 == own.to && own.to < all->slabs) || (slab == own.from && slab > 0);
 }
 
 /* What one thread does: its own slabs, which it had the step before, so that bodies stay with it; then what is left of
- * others'. So nobody waits for a slow neighbour. */
+ * others' after a while. So nobody waits for a slow neighbour, nor takes what is in the cache of one that is nearly
+ * through: then the next step has to bring it back. */
 static void share_slabs(struct slabs *all, struct share own) {
-    for (int left = 1; left;) {
-        int slab = take_slab(all, own, &left);
-        if (slab >= 0)
+    enum { PATIENCE = 32 };
+    for (int left = 1, tries = 0; left; tries++) {
+        int slab = take_slab(all, own, tries >= PATIENCE, &left);
+        if (slab >= 0) {
             act_slab(all, slab, is_at_border(all, slab, own));
-        else if (left)
+            tries = 0;
+        } else if (left)
             sched_yield();
     }
 }
