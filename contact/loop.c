@@ -130,13 +130,12 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
  * longer than to read it. */
 enum { BLOCKS_AHEAD = 2 };
 
-/* All that a step needs of a body. */
+/* What a step needs of a body. (The contacts themselves, and paths, a processor asks for by itself.) */
 static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int place) {
     scree_prefetch_line(bodies->record[place].x);
     scree_prefetch_line(bodies->record[place].impulse);
     scree_prefetch_line(&bodies->spin[place]);
     scree_prefetch_line(&bodies->state[place]);
-    scree_prefetch_line(&bodies->path[place]);
 }
 
 /* For a quarter of a block at a time: at once it would wait in a queue, and the passes behind it. `left`: contacts from
@@ -149,7 +148,6 @@ static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, c
     int from = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER, to = from + QUARTER;
     if (to <= left)
         for (int k = from; k < to; k++) prefetch_body(bodies, scree_last_of(&own[k]));
-    SCREE_PREFETCH(own, from + SCREE_LANES, to + SCREE_LANES);
     if (!w->wants.remembers) return;
     for (int m = 0; m < 3; m++) SCREE_PREFETCH_TO_WRITE(w->kept[m], from, to);
     if (quarter == 0 && w->batch->slides)
