@@ -89,7 +89,7 @@ static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, c
     int from = *prefetched > first ? *prefetched : first, later = BLOCKS_AHEAD * SCREE_LANES;
     if (to > from) prefetch_bodies(bodies, now, from, *prefetched = to);
     for (int k = later; k < later + SCREE_LANES && k < left; k++) {
-        int last = own[k].ball > own[k].host ? own[k].ball : own[k].host;
+        int last = scree_last_of(&own[k]);
         if (last >= first + AHEAD) prefetch_partner(bodies, now, last);
     }
     SCREE_PREFETCH(own, later, later + SCREE_LANES);
