@@ -9,7 +9,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-enum { LARGE = 64 << 10, LINE = 256, HUGE_PAGE = 2 << 20 };
+enum { LARGE = 64 << 10, LINE = 256, HUGE_PAGE = 2 << 20, MOST_ALIGNED = 8 * HUGE_PAGE };
 
 /* What lies in front of an array: how much of it comes from the system, 0: it is of the heap. */
 struct front {
@@ -20,9 +20,10 @@ struct front {
 static size_t up_to(size_t size, size_t unit) { return (size + unit - 1) / unit * unit; }
 
 /* From the system, so that what holds a huge page begins with one: the kernel makes none that an array holds in part.
- * What lies in front of it and behind is given back. */
+ * What lies in front of it and behind is given back. Larger arrays lose little at their ends, and columns that are
+ * walked side by side would use the same sets of caches. */
 static char *map_at_huge_page(size_t size) {
-    size_t spare = size < HUGE_PAGE ? 0 : HUGE_PAGE;
+    size_t spare = size < HUGE_PAGE || size > MOST_ALIGNED ? 0 : HUGE_PAGE;
     char *start = mmap(NULL, size + spare, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (start == MAP_FAILED) return NULL;
     size_t before = spare ? up_to((uintptr_t)start, HUGE_PAGE) - (uintptr_t)start : 0, behind = spare - before;
@@ -31,9 +32,10 @@ static char *map_at_huge_page(size_t size) {
     return start + before;
 }
 
+/* An array that nearly fills a huge page has one. */
 static struct front *map(size_t size) {
-    size_t huge = up_to(size, HUGE_PAGE);
-    size = huge - size <= size / 8 ? huge : up_to(size, (size_t)sysconf(_SC_PAGESIZE));
+    int nearly = size < HUGE_PAGE && HUGE_PAGE - size <= size / 8;
+    size = nearly ? HUGE_PAGE : up_to(size, (size_t)sysconf(_SC_PAGESIZE));
     struct front *front = (struct front *)map_at_huge_page(size);
     if (!front) return NULL;
 #ifdef MADV_HUGEPAGE

@@ -124,16 +124,20 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 /* ---- memory ---- */
 
 /* A scene that the third cache doesn't hold goes through the others once a step: what contacts need is asked for some
- * blocks before. Of two bodies that is the later one, since the other has been the later one before. Most are asked for
- * several times; to find out which are new would cost more, in branches that a processor guesses wrong. What stays in
- * the third cache isn't asked for, unless another thread has written it: to write what others have copies of takes
- * longer than to read it. */
+ * blocks before. Of two bodies that is the later one, since most have been the later one of a contact before they are
+ * the first; the others come in the order of their places. Most are asked for several times: to find out which are new
+ * would cost more, in branches that a processor guesses wrong. What stays in the third cache isn't asked for, unless
+ * another thread has written it: to write what others have copies of takes longer than to read it. */
 enum { BLOCKS_AHEAD = 2 };
+
+static SCREE_INLINE void prefetch_record(const struct scree_bodies *bodies, int place) {
+    scree_prefetch_line(bodies->record[place].x);
+    scree_prefetch_line(bodies->record[place].impulse);
+}
 
 /* What a step needs of a body. (The contacts themselves, and paths, a processor asks for by itself.) */
 static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int place) {
-    scree_prefetch_line(bodies->record[place].x);
-    scree_prefetch_line(bodies->record[place].impulse);
+    prefetch_record(bodies, place);
     scree_prefetch_line(&bodies->spin[place]);
     scree_prefetch_line(&bodies->state[place]);
 }
@@ -146,8 +150,11 @@ static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, c
     enum { QUARTER = SCREE_LANES / 4 };
     if (bodies->count < contacts->cached && !trail->at_border) return;
     int from = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER, to = from + QUARTER;
-    if (to <= left)
+    if (to <= left) {
+        int first = scree_first_of(&own[from]), some = QUARTER / 2; /* a body has two or three contacts */
         for (int k = from; k < to; k++) prefetch_body(bodies, scree_last_of(&own[k]));
+        for (int place = first; place < first + some; place++) prefetch_record(bodies, place);
+    }
     if (!w->wants.remembers) return;
     for (int m = 0; m < 3; m++) SCREE_PREFETCH_TO_WRITE(w->kept[m], from, to);
     if (quarter == 0 && w->batch->slides)
