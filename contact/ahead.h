@@ -13,9 +13,11 @@ static SCREE_INLINE void scree_prefetch(const void *array, size_t from, size_t t
         __builtin_prefetch(line, 0, 2);
 }
 
-/* The same of what will be written: other processors give their copies away at once. (PREFETCHW, where a loop is
- * compiled for it; processors that lack it do nothing.) */
+/* A line that will be written: other processors give their copies away at once. (PREFETCHW, where a loop is compiled
+ * for it; processors that lack it do nothing.) */
 static SCREE_INLINE void scree_prefetch_line(const void *line) { __builtin_prefetch(line, 1, 2); }
+
+/* Lines of an array that will be written. */
 static SCREE_INLINE void scree_prefetch_to_write(void *array, size_t from, size_t to) {
     for (char *line = (char *)array + from, *end = (char *)array + to; line < end; line += 64)
         scree_prefetch_line(line);

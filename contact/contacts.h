@@ -602,7 +602,7 @@ static inline void scree_note(double value, const struct scree_bodies *bodies, i
 enum { SCREE_STRETCH = 3 };
 
 /* From one piece of a slab's contacts of two balls to the next: by pair impulses bodies before place `prefetched`
- * have been asked for; so many contacts come behind the piece; the next slab is another thread's. */
+ * have been asked for; so many contacts come behind the piece; the slab is next to another thread's. */
 struct scree_trail {
     int prefetched, behind, at_border;
 };

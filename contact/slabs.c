@@ -301,8 +301,8 @@ static int take_slab(struct slabs *all, struct share own, int helps, int *left) 
     return slab;
 }
 
-/* Whether another thread had a slab that this one touches, or the bodies that it shares with that: by now it is through
- * with them, but not where shares are short. */
+/* Whether the slab before or the next one was another thread's, which is through by now with the bodies that both
+ * touch: not where shares are short. */
 static int is_at_border(const struct slabs *all, int slab, struct share own) {
     if (own.to - own.from <= SCREE_STRETCH) return 0;
     return (slab + 1 == own.to && own.to < all->slabs) || (slab == own.from && slab > 0);
@@ -315,10 +315,10 @@ static void share_slabs(struct slabs *all, struct share own) {
     enum { PATIENCE = 32 };
     for (int left = 1, tries = 0; left; tries++) {
         int slab = take_slab(all, own, tries >= PATIENCE, &left);
-        if (slab >= 0) {
+        if (slab >= own.from && slab < own.to) tries = 0;
+        if (slab >= 0)
             act_slab(all, slab, is_at_border(all, slab, own));
-            tries = 0;
-        } else if (left)
+        else if (left)
             sched_yield();
     }
 }
