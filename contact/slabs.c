@@ -33,7 +33,8 @@ struct slabs {
     scree_segment_work *work; /* with its argument */
     void *argument;
     const struct scree_departure *go; /* NULL: bodies stay where they are */
-    int slabs, team;                  /* so many threads share them */
+    int slabs, team;                  /* so many threads share them, */
+    atomic_int begun;                 /* of which so many have begun */
     double *before;                   /* work of the slabs before each, where there are several threads */
     atomic_char *state;               /* of each slab */
     struct front *front;
@@ -309,12 +310,14 @@ static int is_at_border(const struct slabs *all, int slab, struct share own) {
 }
 
 /* What one thread does: its own slabs, which it had the step before, so that bodies stay with it; then what is left of
- * others' after a while. So nobody waits for a slow neighbour, nor takes what is in the cache of one that is nearly
- * through: then the next step has to bring it back. */
+ * others', at once if somebody hasn't even begun, or else after a while. So nobody waits for a slow neighbour, nor
+ * takes what is in the cache of one that is nearly through: then the next step has to bring it back. */
 static void share_slabs(struct slabs *all, struct share own) {
     enum { PATIENCE = 32 };
+    atomic_fetch_add(&all->begun, 1);
     for (int left = 1, tries = 0; left; tries++) {
-        int slab = take_slab(all, own, tries >= PATIENCE, &left);
+        int helps = tries >= PATIENCE || atomic_load(&all->begun) < all->team;
+        int slab = take_slab(all, own, helps, &left);
         if (slab >= own.from && slab < own.to) tries = 0;
         if (slab >= 0)
             act_slab(all, slab, is_at_border(all, slab, own));
