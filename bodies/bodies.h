@@ -99,16 +99,18 @@ enum scree_body_class {
     SCREE_CLASS_ASLEEP   /* a ball or box left alone for a while (contact/rest.h) */
 };
 
-/* Where bodies lie in memory. A scene of many balls keeps them sorted in space: in slabs across its longest extent,
- * within a slab in rows. Two balls of slabs that aren't neighbours don't touch as long as the order holds. Walls,
- * boxes, driven and very large bodies are no members; they come first, in the order of their numbers. */
+/* Where bodies lie in memory. A scene of many balls keeps them sorted in space: in slabs across its longest extent, of
+ * about as many balls each, within a slab in rows. Two balls of slabs that aren't neighbours don't touch as long as the
+ * order holds. Walls, boxes, driven and very large bodies are no members; they come first, in the order of their
+ * numbers. */
 enum { SCREE_SLABS = 64 };
 struct scree_order {
     int slabs;                  /* 0: bodies lie in the order of their numbers */
     int members;                /* place of the first member */
     int start[SCREE_SLABS + 1]; /* place where each slab begins, and where the last one ends */
     int axis[3];                /* across slabs, across rows, along rows */
-    double low[3], width[3];    /* where counting begins, and the widths that are counted in, m */
+    double low[3], width[3];    /* where rows, and places in them, are counted from, and how wide they are, m */
+    double end[SCREE_SLABS];    /* where slabs end along their axis, m; of all but the last one */
 };
 
 struct scree_bodies {

@@ -11,7 +11,7 @@ enum { FEW = 16, PER_SLAB = 128 }; /* below so many members bodies aren't sorted
 /* Slabs are some layers thick, so that few partners lie in the next one: the others lie in the next row, and are at
  * hand still when their turn comes. But so many slabs at least, for threads to share, if they can be had. */
 enum { LEAST_SLABS = 12 };
-static const double layers_of_slab = 3.5;
+static const double layers_of_slab = 3.5, least_layers = 1.5;
 
 static const double largest = 4.0; /* balls larger than this many mean radii are no members */
 
@@ -50,7 +50,29 @@ static int measure(const struct scree_bodies *bodies, double mean, double low[3]
     return count;
 }
 
-/* Axes, and widths of slabs and rows. No slabs where members are few. */
+static uint64_t cell(double x, double low, double width, double most) {
+    return (uint64_t)fmax(fmin(floor((x - low) / width), most), 0.0);
+}
+
+/* Where slabs end: where each has its share of the members, who are counted in thin slices; but none is thinner than
+ * `least`. So threads have as much to do, and bodies far off take no slabs from those that lie together. */
+static void divide(const struct scree_bodies *bodies, double mean, int members, double high, double least,
+                   struct scree_order *order) {
+    enum { SLICES = 1024 };
+    int in[SLICES] = {0}, axis = order->axis[0], slabs = order->slabs, slice = 0, before = 0;
+    double low = order->low[axis], thickness = (high - low) / SLICES, end = low;
+    for (int k = 0; k < bodies->count; k++)
+        if (is_member(bodies, k, mean)) in[cell(bodies->position[k][axis], low, thickness, SLICES - 1)]++;
+    for (int slab = 0; slab < slabs - 1; slab++) {
+        double share = (double)members * (slab + 1) / slabs;
+        while (slice < SLICES && before + 0.5 * in[slice] < share) before += in[slice++];
+        end = fmax(low + slice * thickness, end + least);
+        end = fmin(end, high - (slabs - 1 - slab) * least);
+        order->end[slab] = end;
+    }
+}
+
+/* Axes, widths of rows, and slabs: none where members are few. */
 static struct scree_order frame(const struct scree_bodies *bodies, double mean, double range) {
     struct scree_order order = {.slabs = 0};
     double high[3], extent[3], radius;
@@ -63,23 +85,20 @@ static struct scree_order frame(const struct scree_bodies *bodies, double mean, 
     order.axis[1] = longest == 0 ? 1 : 0; /* rows stand upright where they can */
     order.axis[2] = longest == 2 ? 1 : 2;
     double reach = 2.0 * radius + range, layers = extent[longest] / reach;
-    double slabs = fmin(floor(layers / 1.5), fmax(floor(layers / layers_of_slab), LEAST_SLABS));
+    double slabs = fmin(floor(layers / least_layers), fmax(floor(layers / layers_of_slab), LEAST_SLABS));
     order.slabs = (int)fmin(fmin(slabs, count / PER_SLAB), SCREE_SLABS);
     if (order.slabs < 2) order.slabs = 1;
-    order.width[0] = extent[longest] / order.slabs;
     order.width[1] = order.width[2] = 2.0 * mean;
+    if (order.slabs > 1) divide(bodies, mean, count, high[longest], least_layers * reach, &order);
     return order;
-}
-
-static uint64_t cell(double x, double low, double width, double most) {
-    return (uint64_t)fmax(fmin(floor((x - low) / width), most), 0.0);
 }
 
 /* Slab, row, place in the row, as one number that orders; 0 for bodies that are no members. */
 static uint64_t key_of(const struct scree_bodies *bodies, int k, const struct scree_order *order) {
     const double *x = bodies->position[k];
     int a = order->axis[0], b = order->axis[1], c = order->axis[2];
-    uint64_t slab = cell(x[a], order->low[a], order->width[0], order->slabs - 1);
+    uint64_t slab = 0;
+    for (int s = 0; s < order->slabs - 1; s++) slab += order->end[s] <= x[a];
     uint64_t row = cell(x[b], order->low[b], order->width[1], 4095.0);
     return ((slab + 1) << 24) | (row << 12) | cell(x[c], order->low[c], order->width[2], 4095.0);
 }

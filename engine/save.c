@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[24] = "scree state 6\n";
+static const char magic[24] = "scree state 7\n";
 static const uint64_t byte_order_mark = 0x0102030405060708u;
 
 /* One remembered contact. */

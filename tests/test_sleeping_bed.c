@@ -28,9 +28,9 @@ static const char head[] =
 
 enum { BALLS = 1400, BOXES = 10, WALLS = 5 };
 
-/* A driven ball comes down, waits above the bed for it to fall asleep, and from 1.15 s on goes into it, slowly. */
+/* A driven ball comes down, waits above the bed for it to fall asleep, and from 1.15 s on goes into it. */
 static const char press[] = "[[motion]]\nname = \"press\"\nkind = \"table\"\ninterpolation = \"linear\"\n"
-                            "rows = [[0, 0], [0.8, -0.06], [1.05, -0.06], [1.15, -0.0675], [11.15, -0.1175]]\n"
+                            "rows = [[0, 0], [0.8, -0.06], [1.05, -0.06], [1.15, -0.0675], [11.15, -0.2675]]\n"
                             "[[body]]\nname = \"probe\"\nshape = { sphere = 0.008 }\nmaterial = \"ball\"\n"
                             "joint = { z = \"press\", others = \"fixed\" }\nposition = [0.1, 0.04, 0.163]\n";
 
