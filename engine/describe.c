@@ -120,7 +120,7 @@ static void describe_near(const scree_scene *scene, FILE *file) {
     long near[SCREE_GEOMETRIES] = {0};
     for (int b = 0; b < scene->contacts.batches; b++)
         near[scene->contacts.batch[b].geometry] += scene->contacts.batch[b].count;
-    fprintf(file, "contacts within reach at the start (gap up to %.3g m):", scene->contacts.skin);
+    fprintf(file, "contacts in the first list, of what may touch soon:");
     int any = 0;
     for (int g = 0; g < SCREE_GEOMETRIES; g++)
         if (near[g]) fprintf(file, "%s %ld %s", any++ ? "," : "", near[g], names[g]);

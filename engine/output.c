@@ -81,6 +81,12 @@ static scree_status open_frames(struct scree_output *output, scree_trouble *trou
     return status ? status : open_one(output, &output->series, "scene.pvd", series_header, trouble);
 }
 
+const struct scree_output_table scree_output_tables[SCREE_TABLES] = {{"bodies.csv", SCREE_WRITE_BODIES},
+                                                                     {"contacts.csv", SCREE_WRITE_CONTACTS},
+                                                                     {"energy.csv", SCREE_WRITE_ENERGY},
+                                                                     {"spheres.csv", SCREE_WRITE_SPHERES},
+                                                                     {"scene.pvd", SCREE_WRITE_VTK}};
+
 scree_status scree_output_open(struct scree_output *output, const char *folder, const struct scree_run_request *request,
                                scree_trouble *trouble) {
     *output = (struct scree_output){.folder = folder, .request = request};

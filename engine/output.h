@@ -17,6 +17,13 @@ struct scree_output {
     int touching_capacity;
 };
 
+/* The tables by their names, and the bit of the request that asks for each. */
+enum { SCREE_TABLES = 5 };
+extern const struct scree_output_table {
+    const char *name;
+    unsigned write;
+} scree_output_tables[SCREE_TABLES];
+
 /* Make the folder and open what the request asks for. */
 scree_status scree_output_open(struct scree_output *output, const char *folder, const struct scree_run_request *request,
                                scree_trouble *trouble);

@@ -184,8 +184,7 @@ static struct prints prints_of(const scree_scene *scene) {
 }
 
 /* SCREE_BAD_INPUT if the state is of another scene, with what differs. */
-static scree_status compare(scree_scene *scene, const struct prints *stored, const struct scalars *scalars,
-                            const char *name) {
+static scree_status compare(scree_scene *scene, const struct prints *stored, const char *name) {
     struct prints own = prints_of(scene);
     char differs[256] = "";
     for (int k = 0; k < PRINTS; k++) {
@@ -193,11 +192,14 @@ static scree_status compare(scree_scene *scene, const struct prints *stored, con
         size_t length = strlen(differs);
         snprintf(differs + length, sizeof differs - length, "%s%s", length ? ", " : "", print_names[k]);
     }
-    if (differs[0])
-        return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
-                            "%s: this state belongs to another scene; what differs: %s", name, differs);
-    /* The step that the state began with: halving takes the one given down, in the state or in the scene that goes back
-     * to it. */
+    if (!differs[0]) return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL,
+                        "%s: this state belongs to another scene; what differs: %s", name, differs);
+}
+
+/* The same of the step that the state began with: halving takes the one given down, in the state or in the scene that
+ * goes back to it. */
+static scree_status compare_steps(scree_scene *scene, const struct scalars *scalars, const char *name) {
     double step = ldexp(scalars->step, scalars->watched.halvings);
     double own_step = ldexp(scene->step, scene->watched.halvings);
     if (scene->plan.choice.automatic || step == own_step) return SCREE_OK;
@@ -344,6 +346,7 @@ static void set_scalars(scree_scene *scene, const struct scalars *scalars) {
 scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be saved");
+    if (!file) return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: the file isn't open", name);
     if (scene->waits) /* the impulses of its last step, which are state, have gone into predicted velocities */
         return scree_report(&scene->trouble, SCREE_NO_MEMORY, NULL,
                             "%s: the scene has begun a step for which there was no memory; it can be saved after it",
@@ -543,6 +546,7 @@ static scree_status read_rest(scree_scene *scene, struct stream *s, const char *
 scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *name) {
     if (scene->baked != 1)
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "only a scene that has been baked can be restored");
+    if (!file) return scree_report(&scene->trouble, SCREE_NO_FILE, NULL, "%s: the file isn't open", name);
     struct stream s = {.file = file, .hash = scree_hash_start};
     char head[sizeof magic];
     uint64_t mark = 0;
@@ -559,10 +563,12 @@ scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *nam
     get(&s, &prints, sizeof prints);
     get(&s, &scalars, sizeof scalars);
     get(&s, &memories, sizeof memories);
+    scree_status status = s.failed ? SCREE_OK : compare(scene, &prints, name);
+    if (status) return status;
     if (s.failed || !scalars_hold(scene, &scalars))
         return scree_report(&scene->trouble, SCREE_BAD_INPUT, NULL, "%s: this state file is damaged or incomplete",
                             name);
-    scree_status status = compare(scene, &prints, &scalars, name);
+    status = compare_steps(scene, &scalars, name);
     if (status) return status;
     if (memories < 0 || memories > 2000000000L) memories = 0; /* damaged: the hash will tell */
     struct body_part *part = calloc((size_t)scene->bodies.count + 1, sizeof *part);

@@ -423,9 +423,8 @@ static void read_time(struct scree_reader *r) {
     }
     scree_check_keys(r, table, "[time]", keys);
     const struct scree_toml *end = scree_toml_get(table, "end"), *watch = scree_toml_get(table, "watch");
-    into(r)->end = scree_read_number(r, table, "end", 0.0);
-    if (!end || !(into(r)->end > 0.0))
-        scree_complain(r, end ? end : table, "[time] needs end = the simulated time in s, > 0");
+    into(r)->end = scree_read_positive(r, table, "end", " s");
+    if (!end) scree_complain(r, table, "[time] needs end = the simulated time in s, > 0");
     int rows = into(r)->every > 0.0 && into(r)->every < into(r)->end;
     scree_time_def def = {.divide = rows ? into(r)->every : into(r)->end,
                           .accuracy = scree_read_positive(r, table, "accuracy", ""),

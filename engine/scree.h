@@ -295,9 +295,9 @@ SCREE_API uint64_t scree_scene_hash(const scree_scene *scene);
 
 /* Write the state to a file (`name` for messages), and read it into a baked scene of the same definition, which then
  * goes on as if never interrupted: an automatic step is taken from the state; energy books that the state doesn't hold
- * begin with it. SCREE_NO_FILE; SCREE_BAD_INPUT for a file of another scene (the message says what differs) or a
- * damaged one (the scene stays as it was); SCREE_NO_MEMORY: it stays so, or has the state and asks for the memory of
- * its lists again in the next step. */
+ * begin with it. SCREE_NO_FILE, also where `file` is NULL; SCREE_BAD_INPUT for a file of another scene (the message
+ * says what differs) or a damaged one (the scene stays as it was); SCREE_NO_MEMORY: it stays so, or has the state and
+ * asks for the memory of its lists again in the next step. */
 SCREE_API scree_status scree_scene_save(scree_scene *scene, FILE *file, const char *name);
 SCREE_API scree_status scree_scene_restore(scree_scene *scene, FILE *file, const char *name);
 

@@ -95,6 +95,7 @@ static scree_status parse_header(struct reader *r, char *line) {
         if (!*name || strchr("+-.0123456789", *name))
             return complain(r, name,
                             "expected a header that names the columns, such as \"time_s,position_m\" or \"x,y,z\"");
+        if (strchr(name, ';')) return complain(r, name, "\"%s\": columns are separated by commas", name);
         for (int k = 0; k < table->columns; k++)
             if (strcmp(table->name[k], name) == 0) return complain(r, name, "there are two columns \"%s\"", name);
         table->at[table->columns] = (int)(name - r->line_start) + 1;

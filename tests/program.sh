@@ -487,6 +487,7 @@ case $printed in
 *) echo "the reason doesn't come first: $printed"; failed=1 ;;
 esac
 expect 'existing output is kept' test "$before" = "$(sums)"
+check 'tables of another run' 0 'kept also holds what this run hasn'"'"'t written: bodies.csv, scene.pvd' "$scree" run "$scenes/impact_and_slide.toml" -o "$work/kept" --set 'output={write=[]}' --quiet
 "$scree" run "$scenes/bounce.toml" -o "$work/both" --quiet --set time.end=1e9 --set output.every=1e6 &
 long=$!
 tries=0

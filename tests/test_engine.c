@@ -550,6 +550,27 @@ static void test_other_scenes(void) {
     scree_scene_destroy(scene);
 }
 
+/* So is one of a larger scene, though what it tells of its bodies makes no sense in the smaller one; and what isn't
+ * open is no file. */
+static void test_larger_scene(void) {
+    scree_scene *large = scene_file("bed.toml", NULL, 0), *small = scene_file("bounce.toml", NULL, 0);
+    FILE *file = tmpfile();
+    int ball, host;
+    go(large, 3000);
+    scree_scene_deepest(large, &ball, &host);
+    CHECK(ball >= scree_scene_bodies(small) || host >= scree_scene_bodies(small));
+    CHECK(scree_scene_save(large, file, "memory") == SCREE_OK);
+    rewind(file);
+    CHECK(scree_scene_restore(small, file, "memory") == SCREE_BAD_INPUT);
+    CONTAINS(scree_scene_trouble(small)->text, "another scene");
+    CHECK(scree_scene_restore(small, NULL, "lost.state") == SCREE_NO_FILE);
+    CONTAINS(scree_scene_trouble(small)->text, "lost.state");
+    CHECK(scree_scene_save(small, NULL, "lost.state") == SCREE_NO_FILE);
+    fclose(file);
+    scree_scene_destroy(large);
+    scree_scene_destroy(small);
+}
+
 static int same_files(FILE *one, FILE *other) {
     int c = 0;
     rewind(one);
@@ -1269,6 +1290,7 @@ int main(void) {
     test_restore_forgets_lists();
     test_restored_corners();
     test_other_scenes();
+    test_larger_scene();
     test_saved_again();
     test_senseless_states();
     test_books_begin();

@@ -200,6 +200,7 @@ static void test_tables(void) {
         {"a,b\n0,\"1\"2\n", "t.csv:2:3: \"1\"2: a quote that isn't closed"},
         {"a,\"b\n0,1\n", "t.csv:1:3: \"b: a quote that isn't closed"},
         {"a, a\n1,2\n", "t.csv:1:4: there are two columns \"a\""},
+        {"a;b\n1;2\n", "t.csv:1:1: \"a;b\": columns are separated by commas"},
         {"# c\nx,time_s\n\n1,2\n# c\n3,2\n", "t.csv:6:3: time_s must increase: 2 after 2"}};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         char text[64];

@@ -26,7 +26,9 @@ static const char help[] =
     "  -o DIR           where to write\n"
     "  --set KEY=VALUE  change the scene: time.end=2.0, body.product.velocity=[1,0,0], "
     "contact.0.friction.kinetic=0.2\n"
-    "  --threads N      threads; the result is the same for any number\n"
+    "  --threads N      threads; the result is the same for any number. No more than processors are free: beside "
+    "other\n"
+    "                   work they are slower than one, unless OMP_WAIT_POLICY=passive is set\n"
     "  --resume STATE   go on from a final.state of the same scene (its end and its output may differ), up to the "
     "scene's\n"
     "                   end, into another folder than that of STATE\n"
@@ -284,6 +286,20 @@ static void tell_resumed(const struct run *run, double own_step) {
         fprintf(stderr, "the energy books begin at t = %.9g s: the state holds none\n", scree_scene_time(run->scene));
 }
 
+/* Tables that the folder holds of another run, which look as if they belonged to this one. */
+static void warn_of_others(const struct run *run, const char *folder) {
+    char others[96] = "";
+    for (unsigned k = 0; k < SCREE_TABLES; k++) {
+        if (run->request.write & scree_output_tables[k].write) continue;
+        char *path = scree_join(folder, scree_output_tables[k].name);
+        size_t length = strlen(others);
+        if (path && access(path, F_OK) == 0)
+            snprintf(others + length, sizeof others - length, "%s%s", length ? ", " : "", scree_output_tables[k].name);
+        free(path);
+    }
+    if (others[0]) cli_complain("warning: %s also holds what this run hasn't written: %s", folder, others);
+}
+
 /* Says itself what went wrong. */
 static scree_status run_loaded(struct run *run, const char *folder, const char *state) {
     double own_step = scree_scene_step_length(run->scene);
@@ -318,6 +334,7 @@ static scree_status run_loaded(struct run *run, const char *folder, const char *
     warn_of_coarse_step(run);
     warn_of_haste(run);
     warn_of_books(run);
+    if (!status && !broken_off) warn_of_others(run, folder);
     if (!status && !broken_off && !run->quiet)
         summarise(run, folder, (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec),
                   scree_scene_steps(run->scene) - (before << (scree_scene_halvings(run->scene) - halved)));
