@@ -385,6 +385,7 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
     to->turns[1][k] = laws.hold ? at.normal : at.u;
     to->holds[1][k] = 1.0;
     if (!laws.hold) return;
+    at.s = size == 0.0 ? start.s : at.s; /* a slider's stretch is scaled to its limit: once more would be another bit */
     put(to->v, k, at.v);
     put(to->q, k, at.q);
     put(to->s, k, at.s);

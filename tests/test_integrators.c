@@ -895,6 +895,58 @@ static void test_same_bits(void) {
     free(text);
 }
 
+/* Balls that each graze a frozen one of their own: GRAZING in one scene (-1), whose contacts go through the step in one
+ * block, or one of them alone. */
+enum { GRAZING = 12 };
+
+static scree_scene *grazing_pairs(const char *laws, int alone) {
+    char text[8192];
+    uint64_t seed = 3;
+    int used = snprintf(text, sizeof text,
+                        "[time]\nend = 1\nstep = 2e-6\nintegrator = \"pair-impulse\"\nforce = true\n"
+                        "[[material]]\nname = \"m\"\ndensity = 2500\n[[contact]]\nbetween = [\"m\", \"m\"]\n%s\n",
+                        laws);
+    for (int k = 0; k < GRAZING; k++) {
+        double v[3];
+        check_draw(&seed, -0.7, 0.7, 3, v);
+        if (alone < 0 || alone == k)
+            used += snprintf(text + used, sizeof text - (size_t)used,
+                             "[[body]]\nname = \"held %d\"\nshape = { sphere = 0.001 }\nmaterial = \"m\"\n"
+                             "joint = \"fixed\"\nposition = [%g, 0, 0]\n[[body]]\nname = \"ball %d\"\n"
+                             "shape = { sphere = 0.0003 }\nmaterial = \"m\"\nposition = [%g, 0, 0.001303]\n"
+                             "velocity = [%.17g, %.17g, %.17g]\n",
+                             k, 0.02 * k, k, 0.02 * k, v[0], v[1], -0.3 - 0.5 * fabs(v[2]));
+    }
+    return scene_from(text, NULL, 0, 1);
+}
+
+/* No bit depends on the neighbours in the list: some need more pieces of the step than others where the force sets in
+ * as a root, and those that are through wait without being changed. */
+static void test_neighbours(void) {
+    static const char *const laws[] = {
+        "normal = { law = \"hertz\", modulus = 7e7 }\n"
+        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.5, shear_modulus = 3.5e7 }",
+        "normal = { law = \"tsuji-cut\", modulus = 7e7, restitution = 0.7 }\n"
+        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.3, shear_modulus = 3.5e7, damping = 0.1 }",
+        "normal = { law = \"hertz\", modulus = 7e7 }\n"
+        "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e4 }"};
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+        scree_scene *together = grazing_pairs(laws[l], -1);
+        go(together, 30);
+        for (int k = 0; k < GRAZING; k++) {
+            char name[16];
+            snprintf(name, sizeof name, "ball %d", k);
+            scree_scene *alone = grazing_pairs(laws[l], k);
+            go(alone, 30);
+            scree_body_state one = state_of(alone, name), other = state_of(together, name);
+            CHECK(memcmp(one.velocity, other.velocity, sizeof one.velocity) == 0);
+            CHECK(memcmp(one.spin, other.spin, sizeof one.spin) == 0 && one.spin[0] * one.spin[1] != 0.0);
+            scree_scene_destroy(alone);
+        }
+        scree_scene_destroy(together);
+    }
+}
+
 /* The place of a driven body after n steps is reckoned from n - 1 and one more, and rounded so: a state keeps it. Saved
  * after each step, restored, and taken on. */
 static void test_driven_restored(void) {
@@ -1114,6 +1166,7 @@ int main(void) {
     test_limit();
     test_books();
     test_same_bits();
+    test_neighbours();
     test_driven_restored();
     test_alone();
     test_held_among_balls();
