@@ -54,15 +54,40 @@ static uint64_t cell(double x, double low, double width, double most) {
     return (uint64_t)fmax(fmin(floor((x - low) / width), most), 0.0);
 }
 
-/* Where slabs end: where each has its share of the members, who are counted in thin slices; but none is thinner than
- * `least`. So threads have as much to do, and bodies far off take no slabs from those that lie together. */
+/* Members in thin slices across an axis; those beyond a bound are in the last slice before it. */
+enum { SLICES = 1024 };
+static void count_slices(const struct scree_bodies *bodies, double mean, int axis, double low, double high,
+                         int in[SLICES]) {
+    memset(in, 0, SLICES * sizeof *in);
+    for (int k = 0; k < bodies->count; k++)
+        if (is_member(bodies, k, mean)) in[cell(bodies->position[k][axis], low, (high - low) / SLICES, SLICES - 1)]++;
+}
+
+/* Few that are far off all others, say fallen from a table's edge, don't count: bounds without the outermost members at
+ * each end, one in FAR, where these take more than half of the way; and so on. */
+static void leave_out(const struct scree_bodies *bodies, double mean, int members, int axis, double *low,
+                      double *high) {
+    enum { FAR = 128, TIMES = 8 };
+    int in[SLICES];
+    for (int time = 0; time < TIMES; time++) {
+        double thickness = (*high - *low) / SLICES;
+        int first = 0, last = SLICES - 1, below = 0, above = 0;
+        count_slices(bodies, mean, axis, *low, *high, in);
+        while (below + in[first] <= members / FAR) below += in[first++];
+        while (above + in[last] <= members / FAR) above += in[last--];
+        if (last + 1 - first > SLICES / 2) return;
+        *high = *low + (last + 1) * thickness;
+        *low += first * thickness;
+    }
+}
+
+/* Where slabs end: where each has its share of the members; but none is thinner than `least`. So threads have as much
+ * to do, wherever bodies lie. */
 static void divide(const struct scree_bodies *bodies, double mean, int members, double high, double least,
                    struct scree_order *order) {
-    enum { SLICES = 1024 };
-    int in[SLICES] = {0}, axis = order->axis[0], slabs = order->slabs, slice = 0, before = 0;
+    int in[SLICES], axis = order->axis[0], slabs = order->slabs, slice = 0, before = 0;
     double low = order->low[axis], thickness = (high - low) / SLICES, end = low;
-    for (int k = 0; k < bodies->count; k++)
-        if (is_member(bodies, k, mean)) in[cell(bodies->position[k][axis], low, thickness, SLICES - 1)]++;
+    count_slices(bodies, mean, axis, low, high, in);
     for (int slab = 0; slab < slabs - 1; slab++) {
         double share = (double)members * (slab + 1) / slabs;
         while (slice < SLICES && before + 0.5 * in[slice] < share) before += in[slice++];
@@ -77,8 +102,12 @@ static struct scree_order frame(const struct scree_bodies *bodies, double mean, 
     struct scree_order order = {.slabs = 0};
     double high[3], extent[3], radius;
     int count = measure(bodies, mean, order.low, high, &radius);
-    for (int axis = 0; axis < 3; axis++) extent[axis] = high[axis] - order.low[axis];
-    if (count < FEW || !isfinite(extent[0] + extent[1] + extent[2])) return order;
+    if (count < FEW) return order;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!isfinite(high[axis] - order.low[axis])) return order;
+        leave_out(bodies, mean, count, axis, &order.low[axis], &high[axis]);
+        extent[axis] = high[axis] - order.low[axis];
+    }
     int longest = extent[1] > extent[0] ? 1 : 0;
     if (extent[2] > extent[longest]) longest = 2;
     order.axis[0] = longest;
