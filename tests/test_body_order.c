@@ -44,6 +44,12 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size) {
 
 /* ---- scenes ---- */
 
+/* Balls without gravity or friction. */
+#define BALLS_ALONE                                                                                                    \
+    "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"                                     \
+    "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"                     \
+    "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
+
 enum { COUNT = 1500 };
 
 /* Balls of two sizes, or (`mixed`) of two materials too, that fly about in a closed box and rub, a frozen one now and
@@ -293,9 +299,7 @@ static void check_gate(const struct scree_bodies *bodies, const struct scree_bat
  * single bodies have got new contacts. */
 static void test_gates(void) {
     scree_scene *scene = scene_from(
-        "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
-        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
-        "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
+        BALLS_ALONE
         "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.0125\njitter = 1e-4\n"
         "min = [0, 0, 0]\nmax = [0.51, 0.126, 0.126]\nmaterial = \"ball\"\nseed = 3\n",
         NULL, 0, 2);
@@ -336,9 +340,7 @@ static int find_threads(long *thread, int most) {
 static void test_threads_stay(void) {
     enum { THREADS = 24, MOST = 256 };
     scree_scene *scene = scene_from(
-        "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
-        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
-        "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
+        BALLS_ALONE
         "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.0125\njitter = 1e-4\n"
         "min = [0, 0, 0]\nmax = [0.26, 0.126, 0.126]\nmaterial = \"ball\"\nseed = 3\n",
         NULL, 0, THREADS);
@@ -433,9 +435,7 @@ static void test_held_beyond_margins(void) {
 static void test_shares(void) {
     enum { LAYER = 144, LAYERS = 20 };
     scree_scene *scene = scene_from(
-        "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
-        "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
-        "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
+        BALLS_ALONE
         "[[generate]]\nname = \"dense\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.011\n"
         "min = [0, 0, 0]\nmax = [0.22, 0.132, 0.132]\nmaterial = \"ball\"\n"
         "[[generate]]\nname = \"loose\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.033\n"
@@ -454,12 +454,10 @@ static void test_shares(void) {
 static void test_strays(void) {
     enum { MOST = 4000 };
     static struct scree_contact alone[MOST];
-    const char *text = "gravity = [0, 0, 0]\n[time]\nintegrator = \"verlet\"\nend = 1\nstep = 2e-5\n"
-                       "[[material]]\nname = \"ball\"\ndensity = 2000\n[[contact]]\nbetween = [\"ball\", \"ball\"]\n"
-                       "normal = { law = \"linear\", stiffness = 5e3, restitution = 0.3 }\n"
-                       "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.011\n"
-                       "jitter = 4e-4\nmin = [0, 0, 0]\nmax = [0.165, 0.165, 1]\ncount = 4275\nmaterial = \"ball\"\n"
-                       "seed = 3\n";
+    const char *text =
+        BALLS_ALONE "[[generate]]\nname = \"grain\"\nkind = \"lattice\"\nradius = 0.005\nspacing = 0.011\n"
+                    "jitter = 4e-4\nmin = [0, 0, 0]\nmax = [0.165, 0.165, 1]\ncount = 4275\nmaterial = \"ball\"\n"
+                    "seed = 3\n";
     scree_scene *scene = scene_from(text, NULL, 0, 1);
     struct scree_contacts *contacts = &scene->contacts;
     int members = scene->bodies.order.members, across = scene->bodies.order.axis[0], found = 0, strays = 0;
