@@ -118,6 +118,12 @@ struct scree_gate {
     int last_own, last_next, first_next;
 };
 
+/* Between which bounds across slabs the bodies of one stay, and all that comes near them, until the outer list is made
+ * anew, m. */
+struct scree_stay {
+    double low, high;
+};
+
 /* What laws keep of a contact. */
 struct scree_held {
     int index;
@@ -384,6 +390,8 @@ struct scree_contacts {
     long renewals;  /* of near lists */
     long answers;   /* margins of single bodies since the beginning; */
     long enough;    /* when they are so many, the near lists are to be renewed */
+    int extended;   /* how often the outer list has been extended for a body that went farther (widen.c), */
+    struct scree_stay stay[SCREE_SLABS]; /* and where bodies may be meanwhile */
     struct scree_tally tally[SCREE_SEGMENTS];
     struct scree_scratch *scratch; /* one for each thread (near.c) */
     int scratches;
@@ -695,6 +703,19 @@ int scree_contact_is_near(const struct scree_contacts *contacts, const struct sc
 /* Give a body a new margin, in the place of what is left of the last one, or what it went beyond. 0: the outer list has
  * left it too little. */
 int scree_grant_anew(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k);
+
+/* A margin for such a body after the outer list has been extended, so that it may go `more`, m. */
+int scree_grant_more(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double more);
+
+/* So often the outer list is extended; by then a new one costs less than going on. */
+enum { SCREE_MOST_EXTENDED = 256 };
+
+/* Extend the outer list by what a body needs to go farther, and give it a margin (widen.c). 0: all lists are to be made
+ * anew. */
+int scree_contacts_extend(struct scree_contacts *contacts, struct scree_bodies *bodies, int k);
+
+/* Note how far behind `first` its partner lies; the next slab begins at place `next`. */
+void scree_widen_reach(struct scree_part *segment, int first, int partner, int next);
 
 /* Where segment s is the last of a stretch: mark the later body of its contact as lent to it, if that one is of the
  * next stretch. */

@@ -104,7 +104,9 @@ static void put_code(struct scree_batch *batch, struct scree_part *segment, int 
     segment->codes++;
 }
 
-static void widen(struct scree_span *span, int way) {
+void scree_widen_reach(struct scree_part *segment, int first, int partner, int next) {
+    struct scree_span *span = &segment->reach[partner >= next];
+    int way = partner - first;
     if (way < span->least) span->least = way;
     if (way > span->most) span->most = way;
 }
@@ -117,7 +119,7 @@ static void encode(struct scree_batch *batch, struct scree_part *segment, const 
     if (segment->last != first) put_code(batch, segment, ~first, pass);
     segment->last = first;
     put_code(batch, segment, 2 * partner + swap, pass);
-    widen(&segment->reach[partner >= next], partner - first);
+    scree_widen_reach(segment, first, partner, next);
 }
 
 static void take(struct scree_contacts *contacts, const struct scree_bodies *bodies, struct scree_batch *batch,
@@ -589,6 +591,7 @@ static scree_status make_lists(struct scree_contacts *contacts, struct scree_bod
     }
     if (status) return status;
     contacts->rebuilds++;
+    contacts->extended = 0;
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 
@@ -618,9 +621,30 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
     contacts->most_margin = fmin(0.5 * contacts->skin + mean, most);
 }
 
+enum { MOST_EXHAUSTED = 8 };
+
 int scree_grant_anew(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
     contacts->spare[k] = at_most((double)contacts->spare[k] + (0.5 * contacts->skin - bodies->path[k]));
     return grant(contacts, bodies, k);
+}
+
+int scree_grant_more(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double more) {
+    contacts->spare[k] = at_most((double)contacts->spare[k] + more);
+    return grant(contacts, bodies, k);
+}
+
+/* New margins for all bodies; those are told whose outer ones are used up: so many, or more than are told. */
+static int grant_all_anew(struct scree_contacts *contacts, const struct scree_bodies *bodies, int threads,
+                          int exhausted[MOST_EXHAUSTED]) {
+    int count = 0;
+    (void)threads; /* without OpenMP */
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (int k = 0; k < bodies->count; k++) {
+        if (bodies->class[k] == SCREE_CLASS_FIXED || scree_grant_anew(contacts, bodies, k)) continue;
+        int told = __atomic_fetch_add(&count, 1, __ATOMIC_RELAXED);
+        if (told < MOST_EXHAUSTED) exhausted[told] = k;
+    }
+    return count;
 }
 
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
@@ -628,12 +652,11 @@ scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_
     int over = contacts->flights.flown + 2.0 * contacts->step > contacts->flights.last; /* after the step to come */
     if (contacts->broken || over) return scree_contacts_list(contacts, bodies, threads, trouble);
     begin_margins(contacts, bodies);
-    int exhausted = 0;
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (int k = 0; k < bodies->count; k++)
-        if (bodies->class[k] != SCREE_CLASS_FIXED && !scree_grant_anew(contacts, bodies, k))
-            __atomic_store_n(&exhausted, 1, __ATOMIC_RELAXED);
-    if (exhausted) return scree_contacts_list(contacts, bodies, threads, trouble);
+    int exhausted[MOST_EXHAUSTED], count = grant_all_anew(contacts, bodies, threads, exhausted);
+    if (count > MOST_EXHAUSTED) return scree_contacts_list(contacts, bodies, threads, trouble);
+    for (int n = 0; n < count; n++)
+        if (!scree_contacts_extend(contacts, bodies, exhausted[n]))
+            return scree_contacts_list(contacts, bodies, threads, trouble);
     contacts->renewals++;
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }

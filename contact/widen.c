@@ -1,6 +1,10 @@
 /* Bodies that ask for a list before the others do are answered alone: each gets a new margin, and what comes near by it
- * is put into the near lists. That costs a look through those outer contacts of two slabs that reach as far as it. */
+ * is put into the near lists. That costs a look through those outer contacts of two slabs that reach as far as it.
+ *
+ * One that has used up what the outer list left it gets more, and those that it may meet by that are put into the outer
+ * list, which costs a look at some slabs: among a million some have always begun to roll since. */
 #include "contact/columns.h"
+#include "contact/geometry.h"
 
 #include <string.h>
 
@@ -185,13 +189,151 @@ static scree_status add_of(struct scree_contacts *contacts, const struct scree_b
     return status;
 }
 
+/* ---- more of the outer list ---- */
+
+/* A contact that the outer list may lack. */
+struct lacking {
+    int batch, segment;
+    struct scree_contact contact;
+};
+
+enum { MOST_LACKING = 128 };
+
+/* How far a body may go until outer lists are made anew, m. */
+static double left_by_outer(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {
+    int fixed = bodies->class[k] == SCREE_CLASS_FIXED;
+    return fixed ? 0.0 : (double)contacts->spare[k] + (0.5 * contacts->skin - bodies->path[k]);
+}
+
+/* Whether two bodies, the first of which is a ball, may meet before they have gone so far together. */
+static int may_meet(const struct scree_bodies *bodies, int k, int other, double left) {
+    const struct scree_record *a = &bodies->record[k], *b = &bodies->record[other];
+    struct vec apart = vec_sub(vec_from(a->x), vec_from(b->x));
+    double reach = a->bound + b->bound + left;
+    if (other >= bodies->order.members || scree_kind_of(bodies, other)->shape.kind != SCREE_PLANE)
+        return vec_norm2(apart) <= reach * reach;
+    const struct mat *frame = &scree_attitude_of(bodies, other)->frame;
+    return -scree_meet_plane(vec_from(a->x), a->bound, vec_from(b->x), frame).overlap <= left;
+}
+
+/* The contact of a ball with another or with a plane, as the outer list has it; 0: of that kind the list has none. */
+static int name_lacking(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, int other,
+                        const struct scree_rule *rule, struct lacking *lacking) {
+    scree_shape_kind kind = scree_kind_of(bodies, other)->shape.kind;
+    int swap = kind == SCREE_SPHERE && bodies->number[k] > bodies->number[other];
+    enum scree_geometry geometry = kind == SCREE_SPHERE ? SCREE_BALL_BALL : SCREE_BALL_PLANE;
+    if (kind != SCREE_SPHERE && kind != SCREE_PLANE) return 0;
+    const struct scree_batch *batch = scree_batch_for(contacts, rule, geometry);
+    lacking->contact = (struct scree_contact){swap ? other : k, swap ? k : other, 0};
+    lacking->batch = (int)(batch - contacts->batch);
+    lacking->segment = scree_segment_of(bodies, batch, &lacking->contact);
+    return batch->outer_count > 0 && lacking->segment > 0;
+}
+
+/* Of a slab's bodies from where they are: what they go, and what is left of it, adds up to no more than now. */
+static struct scree_stay stay_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int slab) {
+    struct scree_stay stay = {HUGE_VAL, -HUGE_VAL};
+    for (int k = bodies->order.start[slab]; k < bodies->order.start[slab + 1]; k++) {
+        const struct scree_record *record = &bodies->record[k];
+        double x = record->x[bodies->order.axis[0]], reach = record->bound + left_by_outer(contacts, bodies, k);
+        stay.low = fmin(stay.low, x - reach);
+        stay.high = fmax(stay.high, x + reach);
+    }
+    return stay;
+}
+
+/* Those from place `from` to `to` - 1 that a ball may meet before it has gone `left`, behind `count` others. Returns
+ * how many there are then, -1: more, or others than can be put in. */
+static int find_lacking(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k, double left,
+                        int from, int to, struct lacking lacking[MOST_LACKING], int count) {
+    for (int other = from; other < to && count >= 0; other++) {
+        if (other == k || !may_meet(bodies, k, other, left + left_by_outer(contacts, bodies, other))) continue;
+        const struct scree_rule *rule = scree_contacts_rule(contacts, bodies, k, other, NULL);
+        if (!rule) continue;
+        int known = count < MOST_LACKING && name_lacking(contacts, bodies, k, other, rule, &lacking[count]);
+        count = known ? count + 1 : -1;
+    }
+    return count;
+}
+
+/* The same among all bodies. */
+static int find_all_lacking(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k,
+                            double left, struct lacking lacking[MOST_LACKING]) {
+    const struct scree_order *order = &bodies->order;
+    double x = bodies->record[k].x[order->axis[0]], reach = bodies->record[k].bound + left;
+    int count = find_lacking(contacts, bodies, k, left, 0, order->members, lacking, 0);
+    for (int slab = 0; slab < order->slabs && count >= 0; slab++)
+        if (x - reach <= contacts->stay[slab].high && x + reach >= contacts->stay[slab].low)
+            count = find_lacking(contacts, bodies, k, left, order->start[slab], order->start[slab + 1], lacking, count);
+    return count;
+}
+
+/* Where the outer lists of all batches end. */
+static int *end_of_codes(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    const struct scree_batch *last = &contacts->batch[contacts->batches - 1];
+    int codes = 0;
+    for (int s = 1; s <= bodies->order.slabs; s++) codes += last->segment[s].codes;
+    return last->code + codes;
+}
+
+static int has_room(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int codes) {
+    const char *end = (const char *)end_of_codes(contacts, bodies), *begin = contacts->listed.memory;
+    return (size_t)(end - begin) + (size_t)codes * sizeof(int) <= contacts->listed.size;
+}
+
+/* Codes into a segment's list, before the one at `at`; what lies behind moves up. */
+static void put_codes(struct scree_contacts *contacts, const struct scree_bodies *bodies, const struct lacking *one,
+                      int at, const int *code, int count) {
+    struct scree_batch *batch = &contacts->batch[one->batch];
+    int *place = batch->code + batch->segment[one->segment].codes_first + at;
+    size_t behind = (size_t)(end_of_codes(contacts, bodies) - place);
+    memmove(place + count, place, behind * sizeof *place);
+    memcpy(place, code, (size_t)count * sizeof *place);
+    batch->segment[one->segment].codes += count;
+    for (int s = one->segment + 1; s <= bodies->order.slabs; s++) batch->segment[s].codes_first += count;
+    for (int b = one->batch + 1; b < contacts->batches; b++) contacts->batch[b].code += count;
+}
+
+/* A contact into the outer list, if it isn't there. */
+static void put_lacking(struct scree_contacts *contacts, const struct scree_bodies *bodies, const struct lacking *one) {
+    struct scree_batch *batch = &contacts->batch[one->batch];
+    struct scree_part *segment = &batch->segment[one->segment];
+    const int *code = batch->code + segment->codes_first;
+    int swap = one->contact.host < one->contact.ball, first = swap ? one->contact.host : one->contact.ball;
+    int partner = swap ? one->contact.ball : one->contact.host, own[2] = {~first, 2 * partner + swap};
+    int at = begin_of(code, segment->codes, first), leads = at < segment->codes && code[at] == ~first;
+    if (leads)
+        for (at++; at < segment->codes && code[at] >= 0 && code[at] < own[1] - swap;) at++;
+    if (leads && at < segment->codes && code[at] >= 0 && code[at] >> 1 == partner) return;
+    put_codes(contacts, bodies, one, at, own + leads, 2 - leads);
+    scree_widen_reach(segment, first, partner, bodies->order.start[one->segment]);
+    segment->outer_count++;
+    batch->outer_count++;
+}
+
+int scree_contacts_extend(struct scree_contacts *contacts, struct scree_bodies *bodies, int k) {
+    struct lacking lacking[MOST_LACKING];
+    double half = 0.5 * contacts->skin, more = fmin(2.0 * half, contacts->most_margin);
+    if (contacts->extended >= SCREE_MOST_EXTENDED) return 0;
+    if (bodies->slab[k] < 0 || bodies->class[k] != SCREE_CLASS_BALL || bodies->periodic || bodies->flight) return 0;
+    for (int slab = 0; !contacts->extended && slab < bodies->order.slabs; slab++)
+        contacts->stay[slab] = stay_of(contacts, bodies, slab);
+    int count = find_all_lacking(contacts, bodies, k, (double)contacts->spare[k] + more, lacking);
+    if (count < 0 || !has_room(contacts, bodies, 2 * count)) return 0;
+    contacts->stay[bodies->slab[k]].low -= more;
+    contacts->stay[bodies->slab[k]].high += more;
+    contacts->extended++;
+    for (int n = 0; n < count; n++) put_lacking(contacts, bodies, &lacking[n]);
+    return scree_grant_more(contacts, bodies, k, more);
+}
+
 scree_status scree_contacts_answer(struct scree_contacts *contacts, struct scree_bodies *bodies, const int *asking,
                                    int count, int threads, scree_trouble *trouble) {
     scree_status status = SCREE_OK;
     contacts->rest.stale = 1;
     contacts->flights.ahead = contacts->flights.until - contacts->flights.flown;
     for (int k = 0; k < count && !status; k++, contacts->answers++) {
-        if (!scree_grant_anew(contacts, bodies, asking[k]))
+        if (!scree_grant_anew(contacts, bodies, asking[k]) && !scree_contacts_extend(contacts, bodies, asking[k]))
             return scree_contacts_list(contacts, bodies, threads, trouble);
         status = add_of(contacts, bodies, asking[k], trouble);
     }
