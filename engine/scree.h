@@ -3,8 +3,8 @@
  * A scene is defined (materials, contacts between them, motions, bodies, gravity, time), baked, and stepped. SI units
  * throughout: m, kg, s, N, rad. Definitions are plain structs whose zero means the default. What can fail returns a
  * scree_status and leaves the details in the scene's trouble record. Nothing prints, exits or keeps globals; several
- * scenes can run in several threads at once, one thread a scene. Strings and arrays given in are copied. A pointer may be
- * NULL only where that is said.
+ * scenes can run in several threads at once, one thread a scene. Strings and arrays given in are copied. A pointer may
+ * be NULL only where that is said.
  *
  * The state after a run is the same in every bit for any number of threads, with and without measurements, and
  * after save and restore; and on every processor: of the loops for its instructions the widest that it has is taken
