@@ -438,7 +438,8 @@ scree_status scree_contacts_list(struct scree_contacts *contacts, struct scree_b
 void scree_contacts_note_boxes(struct scree_contacts *contacts, const struct scree_bodies *bodies);
 
 /* After bodies have outgrown their margins (path > skin/2): pick all near contacts anew from the outer list, or make
- * both lists anew if a body has used up what the outer one left it, or if they are broken. */
+ * both lists anew if bodies have used up what the outer one left them and it isn't to be extended for them, or if they
+ * are broken. */
 scree_status scree_contacts_renew(struct scree_contacts *contacts, struct scree_bodies *bodies, int threads,
                                   scree_trouble *trouble);
 

@@ -621,6 +621,7 @@ void scree_contacts_choose_skin(struct scree_contacts *contacts, const struct sc
     contacts->most_margin = fmin(0.5 * contacts->skin + mean, most);
 }
 
+/* For so many at once the outer list is extended; where they are more, it is old. */
 enum { MOST_EXHAUSTED = 8 };
 
 int scree_grant_anew(struct scree_contacts *contacts, const struct scree_bodies *bodies, int k) {

@@ -313,7 +313,7 @@ static void put_lacking(struct scree_contacts *contacts, const struct scree_bodi
 
 int scree_contacts_extend(struct scree_contacts *contacts, struct scree_bodies *bodies, int k) {
     struct lacking lacking[MOST_LACKING];
-    double half = 0.5 * contacts->skin, more = fmin(2.0 * half, contacts->most_margin);
+    double more = fmin(contacts->skin, contacts->most_margin);
     if (contacts->extended >= SCREE_MOST_EXTENDED) return 0;
     if (bodies->slab[k] < 0 || bodies->class[k] != SCREE_CLASS_BALL || bodies->periodic || bodies->flight) return 0;
     for (int slab = 0; !contacts->extended && slab < bodies->order.slabs; slab++)
