@@ -58,16 +58,16 @@ static scree_status make_grids(struct scree_contacts *contacts, size_t bodies, s
                                scree_trouble *trouble) {
     size_t places = 16;
     while (places < bodies) places *= 2;
-    size_t size = bodies * (sizeof(struct occupant) + sizeof(int) + 1) + (places + 2) * sizeof(int);
+    size_t size = bodies * (sizeof(struct occupant) + 1) + (places + 2) * sizeof(int);
     scree_status status = scree_make_space(&contacts->rough, size, trouble);
     if (status) return status;
     struct occupant *occupant = contacts->rough.memory;
-    int *start = (int *)(occupant + bodies), *seat = start + places + 2;
+    int *start = (int *)(occupant + bodies);
     *grids = (struct grids){.occupant = occupant,
                             .start = start,
-                            .seat = seat,
+                            .seat = contacts->seat,
                             .places = (uint32_t)places,
-                            .level = (unsigned char *)(seat + bodies)};
+                            .level = (unsigned char *)(start + places + 2)};
     return SCREE_OK;
 }
 

@@ -374,7 +374,12 @@ struct scree_contacts {
     double most_margin;   /* a few fast bodies may use up more than half the skin: up to this, m; */
     double widest_margin; /* and that is the most that one has */
     double step;          /* s; margins of near lists are reckoned in steps (0, adaptive: as wide as the skin) */
-    float *spare;         /* per body: way that its margin may still take out of what the outer list leaves it, m */
+    /* Per body: way that its margin may still take out of what the outer list leaves it, m; and in the same memory,
+     * while pairs are sought, for margins are made anew behind it: where it is in the cells (candidates.c). */
+    union {
+        float *spare;
+        int *seat;
+    };
     struct scree_gate gate[SCREE_SLABS][SCREE_STRIPS]; /* of the strips of slabs whose lists are as they were then: */
     unsigned char gated[SCREE_SLABS];
     unsigned char *lent;      /* [place]: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before */

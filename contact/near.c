@@ -292,7 +292,7 @@ static scree_status renew_batch(struct scree_contacts *contacts, const struct sc
             lacking[s] = renew(contacts, bodies, batch, s, &contacts->scratch[t]);
     for (int s = 0; s < segments; s++) {
         int least = scree_padded(batch->segment[s].count), has = batch->segment[s].capacity;
-        capacity[s] = lacking[s] ? scree_padded(lacking[s] + lacking[s] / 16 + SCREE_PADDING) : has;
+        capacity[s] = lacking[s] ? scree_padded(lacking[s] + lacking[s] / 32 + SCREE_PADDING) : has;
         if (capacity[s] < least) capacity[s] = least;
         lack |= lacking[s];
     }
