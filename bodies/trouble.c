@@ -1,6 +1,7 @@
 /* The trouble record, and the nearest valid name for messages about a wrong one. */
 #include "bodies/trouble.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -137,7 +138,10 @@ struct scree_shown scree_shown(const char *name) {
     return shown;
 }
 
-/* Edits (insert, delete, replace) that turn a into b; names longer than 63 characters are far from all. */
+static int are_one_letter(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
+
+/* Edits (insert, delete, replace) that turn a into b, whatever their case; names longer than 63 characters are far from
+ * all. */
 static size_t edit_distance(const char *a, const char *b) {
     size_t row[64];
     size_t length_a = strlen(a), length_b = strlen(b);
@@ -147,7 +151,7 @@ static size_t edit_distance(const char *a, const char *b) {
         size_t diagonal = row[0];
         row[0] = i;
         for (size_t j = 1; j <= length_b; j++) {
-            size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+            size_t replaced = diagonal + !are_one_letter(a[i - 1], b[j - 1]);
             diagonal = row[j];
             size_t moved = (row[j] < row[j - 1] ? row[j] : row[j - 1]) + 1;
             row[j] = replaced < moved ? replaced : moved;
@@ -156,8 +160,15 @@ static size_t edit_distance(const char *a, const char *b) {
     return row[length_b];
 }
 
+/* "energy" for "energy.csv", "youngs_modulus" for "modulus": one of them is a part of the other, and not by chance. */
+static int is_part_of_other(const char *a, const char *b) {
+    enum { LEAST = 4 };
+    if (strlen(a) < LEAST || strlen(b) < LEAST) return 0;
+    return strstr(a, b) != NULL || strstr(b, a) != NULL;
+}
+
 const char *scree_nearest_name(const char *wrong, const char *const *names) {
-    const char *nearest = NULL;
+    const char *nearest = NULL, *const *first = names;
     size_t least = strlen(wrong) / 3 + 2; /* farther than this it is no misspelling */
     for (; *names; names++) {
         size_t distance = edit_distance(wrong, *names);
@@ -166,6 +177,8 @@ const char *scree_nearest_name(const char *wrong, const char *const *names) {
             nearest = *names;
         }
     }
+    for (names = first; !nearest && *names; names++)
+        if (is_part_of_other(wrong, *names)) nearest = *names;
     return nearest;
 }
 
@@ -173,5 +186,14 @@ struct scree_hint scree_hint(const char *wrong, const char *const *names) {
     struct scree_hint hint = {""};
     const char *nearest = scree_nearest_name(wrong, names);
     if (nearest) snprintf(hint.text, sizeof hint.text, "; did you mean \"%.64s\"?", nearest);
+    return hint;
+}
+
+struct scree_hint scree_hint_or_all(const char *wrong, const char *const *names) {
+    struct scree_hint hint = scree_hint(wrong, names);
+    size_t used = 0;
+    if (hint.text[0]) return hint;
+    for (int k = 0; names[k] && used < sizeof hint.text; k++)
+        used += (size_t)snprintf(hint.text + used, sizeof hint.text - used, "%s%s", k ? ", " : "; there is ", names[k]);
     return hint;
 }

@@ -59,8 +59,11 @@ const char *scree_nearest_name(const char *wrong, const char *const *names);
 
 /* "; did you mean "x"?" with that name, or "" if none is near: the end of a message, written into `text`. */
 struct scree_hint {
-    char text[96];
+    char text[320];
 };
 struct scree_hint scree_hint(const char *wrong, const char *const *names);
+
+/* The same; if none is near, all of them. */
+struct scree_hint scree_hint_or_all(const char *wrong, const char *const *names);
 
 #endif

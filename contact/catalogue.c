@@ -117,14 +117,25 @@ scree_law_choice scree_example(const struct scree_law_text *text) {
     return choice;
 }
 
-/* The nearest name, or else all of them. */
-static struct scree_hint hint_or_list(const char *wrong, const char *const *names) {
-    struct scree_hint hint = scree_hint(wrong, names);
-    size_t used = 0;
-    if (hint.text[0]) return hint;
-    for (int k = 0; names[k] && used < sizeof hint.text; k++)
-        used += (size_t)snprintf(hint.text + used, sizeof hint.text - used, "%s%s", k ? ", " : "; it has ", names[k]);
-    return hint;
+/* Whether a symbol of the formula, such as mu_k, is a word of what is said of a parameter. */
+static int is_word_of(const char *symbol, const char *meaning) {
+    static const char ends[] = " ,:;";
+    for (const char *word = meaning; *word; word += strspn(word, ends)) {
+        size_t length = strcspn(word, ends);
+        if (length == strlen(symbol) && memcmp(word, symbol, length) == 0) return 1;
+        word += length;
+    }
+    return 0;
+}
+
+/* The parameter that has it as its symbol, or the nearest name, or else all of them. */
+static struct scree_hint hint_at_parameter(const struct scree_law_text *text, const char *wrong) {
+    const char *names[SCREE_PARAMETERS + 1] = {0}, *meant = wrong;
+    for (int k = 0; text->parameters[k].name; k++) {
+        names[k] = text->parameters[k].name;
+        if (meant == wrong && is_word_of(wrong, text->parameters[k].meaning)) meant = names[k];
+    }
+    return scree_hint_or_all(meant, names);
 }
 
 static scree_status read_settings(const struct scree_law_text *text, const scree_law_choice *choice,
@@ -139,12 +150,9 @@ static scree_status read_settings(const struct scree_law_text *text, const scree
             return scree_report(trouble, SCREE_BAD_INPUT, NULL, "parameter %d of the law \"%s\" has no name", k + 1,
                                 text->name);
         int index = find_parameter(text, setting->name);
-        if (index < 0) {
-            const char *names[SCREE_PARAMETERS + 1] = {0};
-            for (int p = 0; text->parameters[p].name; p++) names[p] = text->parameters[p].name;
+        if (index < 0)
             return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "the law \"%s\" has no parameter \"%s\"%s",
-                                text->name, setting->name, hint_or_list(setting->name, names).text);
-        }
+                                text->name, setting->name, hint_at_parameter(text, setting->name).text);
         const struct scree_parameter *parameter = &text->parameters[index];
         if (!isnan(values->v[index]))
             return scree_report(trouble, SCREE_BAD_INPUT, setting->name, "%s of the law \"%s\" is given twice",

@@ -77,7 +77,7 @@ void scree_check_keys(struct scree_reader *r, const struct scree_toml *table, co
     if (command) snprintf(other, sizeof other, "; this looks like a file for scree %s", command);
     for (const struct scree_toml *child = table->first; child; child = child->next)
         if (!is_among(child->key, keys))
-            complain_of_key(r, child, what, command ? other : scree_hint(child->key, keys).text);
+            complain_of_key(r, child, what, command ? other : scree_hint_or_all(child->key, keys).text);
 }
 
 void scree_check_misspelt(struct scree_reader *r, const struct scree_toml *table, const char *what, const char *key) {

@@ -215,7 +215,7 @@ static void guess_b(const scree_transport *t, const scree_plan *plan, const doub
 static int solved(const scree_plan *plan) { return plan->solver.converged && plan->solver.norm <= 1e-8; }
 
 static int plan_b(const scree_transport *t, const scree_plan_options *options, scree_plan *plan, double *x) {
-    struct task task = {t, options, plan->time, plan->duration, 0, {0.0, 0.0, 0.0}, 0};
+    struct task task = {t, options, plan->time, plan->duration, 0, {.clearance = 0.0}, 0};
     guess_b(t, plan, options->guess, x);
     plan->solver = solve_b(&task, x);
     /* Other starts, if there is no root near the first: the closed form, and gentler and harder braking. */
@@ -283,8 +283,9 @@ static void judge_c(struct task *task, const double *x, scree_plan *plan) {
     double r[4];
     if (task->good) return;
     if (plan->solver.reason == SCREE_LM_NOT_FINITE || residual_c(task, x, r))
-        fail(plan, SCREE_PLAN_MODEL_FAILED, "the process model failed at the %s of the iteration",
-             plan->solver.reason == SCREE_LM_NOT_FINITE ? "start" : "end");
+        fail(plan, SCREE_PLAN_MODEL_FAILED, "the process model failed at the %s of the iteration%s%s",
+             plan->solver.reason == SCREE_LM_NOT_FINITE ? "start" : "end", task->last.cause[0] ? ": " : "",
+             task->last.cause);
     else if (!good_enough(task, r) && !(plan->solver.converged && plan->solver.norm <= 1e-5))
         fail(plan, SCREE_PLAN_NO_SOLUTION, "the iteration ended with a clearance of %.3g m and %.3g m/s: %s",
              task->last.clearance, task->last.velocity - x[2], scree_lm_text(plan->solver.reason));
@@ -300,7 +301,7 @@ static void plan_c(const scree_transport *t, const scree_plan_options *options, 
         memcpy(x, options->guess, sizeof x);
     else if (plan_b(t, options, plan, x))
         return;
-    struct task task = {t, options, plan->time, plan->duration, 0, {0.0, 0.0, 0.0}, 0};
+    struct task task = {t, options, plan->time, plan->duration, 0, {.clearance = 0.0}, 0};
     scree_lm_problem problem = {
         .unknowns = 4, .residuals = 4, .residual = residual_c, .jacobian = jacobian_c, .context = &task};
     scree_lm_options lm = {.no_polish = 1,

@@ -54,7 +54,7 @@ const char *scree_plan_state_name(enum scree_plan_state state);
 /* A planned motion. */
 typedef struct scree_plan {
     enum scree_plan_state state;
-    char text[200];                   /* what is wrong, "" if nothing */
+    char text[600];                   /* what is wrong, "" if nothing */
     double cycles, duration;          /* 1/min, s */
     double time[5];                   /* of the events, s */
     struct scree_kinematics event[5]; /* of the comb at the events */
@@ -77,9 +77,10 @@ typedef struct scree_catch {
     double clearance;    /* between product and front tines, m; negative: they would overlap */
     double velocity;     /* of the product, m/s */
     double acceleration; /* of the product, m/s^2 */
+    char cause[400];     /* why it couldn't tell; "" if it did, or doesn't say */
 } scree_catch;
 
-/* The process model: simulate the comb's `profile` up to time `until`. Nonzero: it couldn't. */
+/* The process model: simulate the comb's `profile` up to time `until`. Nonzero: it couldn't; `cause` may say why. */
 typedef int scree_process(void *context, const struct scree_profile *profile, double until, scree_catch *result);
 
 typedef struct scree_plan_options {

@@ -460,6 +460,7 @@ static int model_catch(void *context, const struct scree_profile *profile, doubl
     struct model *model = context;
     model->calls++;
     double left = scree_slide_detachment(profile, mu_g);
+    if (model->broken) snprintf(result->cause, sizeof result->cause, "it is broken");
     if (model->broken || left < 0.0) return 1;
     double v1 = scree_profile_at(profile, profile->start[1]).v;
     *result = scree_slide_catch(&task, profile, left, until);
@@ -493,7 +494,7 @@ static void test_model_in_loop(void) {
         }
     struct model broken = {.broken = 1}, stubborn = {.stubborn = 1};
     scree_plan plan = plan_with(&broken, 500.0);
-    fails(&plan, SCREE_PLAN_MODEL_FAILED, "process model failed");
+    fails(&plan, SCREE_PLAN_MODEL_FAILED, "process model failed at the start of the iteration: it is broken");
     plan = plan_with(&stubborn, 500.0);
     fails(&plan, SCREE_PLAN_NO_SOLUTION, "clearance of 0.001 m");
     CHECK(plan.simulations <= 61);

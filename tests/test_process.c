@@ -99,7 +99,7 @@ static void test_order(void) {
     }
     CHECK(process_load(&process, scene_path, &task, &trouble) == SCREE_OK);
     CHECK(process_load(&swapped, path, &task, &trouble) == SCREE_OK);
-    scree_catch caught = {0}, other = {1.0, 1.0, 1.0};
+    scree_catch caught = {0}, other = {.clearance = 1.0, .velocity = 1.0, .acceleration = 1.0};
     CHECK(process_catch(&process, &plan.profile, plan.time[3], &caught) == 0);
     CHECK(process_catch(&swapped, &plan.profile, plan.time[3], &other) == 0);
     /* Forces are added up in another order: rounding of forces of up to 10 N over masses of 0.03 kg, twice integrated
@@ -166,6 +166,12 @@ static void test_rest(void) {
     CONTAINS(run.trouble.text, "more than 1000000000 steps");
     scree_catch caught;
     CHECK(process_catch(&process, &plan.profile, plan.time[3], &caught) != 0);
+    CONTAINS(caught.cause, "more than 1000000000 steps");
+    process.step = 1e-2;
+    CHECK(process_catch(&process, &plan.profile, plan.time[3], &caught) != 0);
+    CONTAINS(caught.cause, "stability limit");
+    process.step = 2e-6;
+    CHECK(process_catch(&process, &plan.profile, plan.time[3], &caught) == 0 && caught.cause[0] == '\0');
     process_free(&process);
 }
 

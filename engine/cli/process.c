@@ -309,23 +309,33 @@ scree_status process_check(const struct process *p, scree_trouble *trouble) {
     return status;
 }
 
-int process_catch(void *context, const struct scree_profile *profile, double until, scree_catch *result) {
-    const struct process *p = context;
-    scree_trouble trouble;
+static scree_status look_at_catch(const struct process *p, const struct scree_profile *profile, double until,
+                                  scree_catch *result, scree_trouble *trouble) {
     long steps = steps_in(until, p->step);
-    if (steps == 0) return 1;
-    scree_scene *scene = make_scene(p, profile, until / (double)steps, 0, &trouble);
-    if (!scene) return 1;
+    if (steps == 0)
+        return scree_report(trouble, SCREE_FAILED, NULL, "%g s take more than %d steps of %g s", until, MOST_STEPS,
+                            p->step);
+    scree_scene *scene = make_scene(p, profile, until / (double)steps, 0, trouble);
+    if (!scene) return trouble->status;
     scree_status status = scree_scene_step(scene, steps);
     double rear, front, along;
     if (!status) status = forces(scene, &rear, &front, &along);
-    if (!status) {
+    if (status) {
+        *trouble = *scree_scene_trouble(scene);
+    } else {
         struct parts parts = find_parts(scene);
         result->clearance = clearance(p, scene, parts);
         result->velocity = scree_scene_body(scene, parts.product).velocity[0];
         result->acceleration = along / p->mass;
     }
     scree_scene_destroy(scene);
+    return status;
+}
+
+int process_catch(void *context, const struct scree_profile *profile, double until, scree_catch *result) {
+    scree_trouble trouble = {0};
+    scree_status status = look_at_catch(context, profile, until, result, &trouble);
+    snprintf(result->cause, sizeof result->cause, "%.399s", trouble.text);
     return status != SCREE_OK;
 }
 
