@@ -125,6 +125,11 @@ static void describe_near(const scree_scene *scene, FILE *file) {
     for (int g = 0; g < SCREE_GEOMETRIES; g++)
         if (near[g]) fprintf(file, "%s %ld %s", any++ ? "," : "", near[g], names[g]);
     fprintf(file, any ? "\n" : " none\n");
+    const struct scree_scene_plan *plan = &scene->plan;
+    if (plan->start_share > 0.0)
+        fprintf(file, "deepest overlap at the start: %.4g m, %.2g of the tolerable, \"%s\" with \"%s\"\n",
+                plan->start_overlap, plan->start_share, body_name(scene, plan->start_ball).text,
+                body_name(scene, plan->start_host).text);
 }
 
 static const char *integrator_name(scree_integrator integrator) {

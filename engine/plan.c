@@ -219,22 +219,27 @@ static scree_status check_period(struct scree_scene *scene) {
     return SCREE_OK;
 }
 
+/* Keep the deepest overlap in the plan; one beyond what is tolerable is refused. */
 static scree_status check_start_overlaps(struct scree_scene *scene) {
     struct scree_contacts *contacts = &scene->contacts;
+    struct scree_scene_plan *plan = &scene->plan;
     for (int b = 0; b < contacts->batches; b++) {
         for (int k = scree_first(&contacts->batch[b]); k >= 0; k = scree_next(&contacts->batch[b], k)) {
             struct scree_touch touch;
             if (!scree_contacts_measure(contacts, &scene->bodies, b, k, &touch)) continue;
             double limit = fmin(scene->bodies.spin[touch.ball].limit, scene->bodies.spin[touch.host].limit);
-            if (touch.overlap <= limit) continue;
-            return scree_report(
-                &scene->trouble, SCREE_BAD_INPUT, "position",
-                "bodies \"%s\" and \"%s\" overlap by %g m at the start; the most that makes sense is %g m",
-                scree_name_of(scene, scene->bodies.number[touch.ball]).text,
-                scree_name_of(scene, scene->bodies.number[touch.host]).text, touch.overlap, limit);
+            if (!(touch.overlap / limit > plan->start_share)) continue;
+            plan->start_share = touch.overlap / limit;
+            plan->start_overlap = touch.overlap;
+            plan->start_ball = scene->bodies.number[touch.ball];
+            plan->start_host = scene->bodies.number[touch.host];
         }
     }
-    return SCREE_OK;
+    if (!(plan->start_share > 1.0)) return SCREE_OK;
+    return scree_report(&scene->trouble, SCREE_BAD_INPUT, "position",
+                        "bodies \"%s\" and \"%s\" overlap by %g m at the start; the most that makes sense is %g m",
+                        scree_name_of(scene, plan->start_ball).text, scree_name_of(scene, plan->start_host).text,
+                        plan->start_overlap, plan->start_overlap / plan->start_share);
 }
 
 static scree_status plan_pairs_and_step(struct scree_scene *scene) {

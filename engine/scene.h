@@ -47,6 +47,9 @@ struct scree_scene_plan {
     int balls, general;             /* free or driven ones, by class */
     long pairs_all, pairs_meeting;  /* pairs of bodies */
     long pairs_still, pairs_none;   /* skipped: forces move neither; materials or shapes that pass through each other */
+    double start_overlap,
+        start_share;            /* the deepest at the start, m, and in parts of the tolerable; 0: nothing touches */
+    int start_ball, start_host; /* whose */
 };
 
 /* The state to which a run goes back to halve its step, as save.c writes it, and what no state holds. */

@@ -777,6 +777,8 @@ static void test_plan(void) {
     CONTAINS(plan, "creeps at 0.0005 m/s under half");
     CONTAINS(plan, "\"product\" with \"front tine\": none");
     CONTAINS(plan, "4 ball on rectangle");
+    CONTAINS(plan,
+             "deepest overlap at the start: 7.358e-07 m, 0.00025 of the tolerable, \"product\" with \"left surface\"");
     CONTAINS(plan, "contact memory: no law keeps any");
     CONTAINS(plan, "tilting of gravity");
     CONTAINS(plan, "automatic");
