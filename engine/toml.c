@@ -654,7 +654,11 @@ static void miss(struct parser *p, const struct scree_toml *node, const char *pa
         const char *called = name && name->type == SCREE_TOML_STRING ? name->string : child->key;
         if (called) names[count++] = called;
     }
-    complain_at(p, 0, 0, "there is no \"%s\" in this scene%s", part, scree_hint(part, names).text);
+    char entries[64] = "";
+    struct scree_hint hint = scree_hint(part, names);
+    if (!hint.text[0] && node->type == SCREE_TOML_ARRAY)
+        snprintf(entries, sizeof entries, ": entries are numbered from 0 to %d", node->count - 1);
+    complain_at(p, 0, 0, "there is no \"%s\" in this scene%s%s", part, hint.text, entries);
 }
 
 scree_status scree_toml_set(struct scree_toml_document *document, const char *assignment, scree_trouble *trouble) {

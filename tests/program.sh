@@ -272,7 +272,7 @@ for wrong in "did you mean \"hertz\"?|--law|herz modulus=1" "did you mean \"modu
     "must be > 0|--law|hertz modulus=-1" "takes a number|--law|hertz modulus=x" "stiffness takes a finite number|--law|linear stiffness=inf" \
     "tilt_x takes a finite number|--ball|box x=1 y=1 z=1 mass=1 tilt_x=inf" "expected NAME=NUMBER|--law|hertz modulus" \
     "given twice|--law|hertz modulus=1 modulus=2" "young|--law|hertz" "has no \"radios\"|--ball|sphere radios=1" \
-    "either mass|--ball|sphere radius=1" "not both|--ball|sphere radius=1 mass=1 density=1" "no shape|--ball|cube x=1" \
+    "needs radius= (m)|--ball|sphere mass=1" "needs y= (m)|--ball|box x=1 mass=1" "either mass|--ball|sphere radius=1" "not both|--ball|sphere radius=1 mass=1 density=1" "no shape|--ball|cube x=1" \
     "a plane can't move|--ball|plane" "takes a number|--speed|x" "speed must be|--speed|-1" "below 90|--angle|90" \
     "to sweep|--sweep|spede=1:2:3" "COUNT|--sweep|speed=1:2:1" "must be > 0|--sweep|speed=0:1:3:log" \
     "no --friction|--sweep|friction.kinetic=0:1:3" "takes NAME=FROM:TO:COUNT|--sweep|speed=1:2"; do
@@ -443,6 +443,8 @@ check 'scene is a folder' 2 'directory' "$scree" run "$work" -o "$work/x5"
 printf 'title = "x"\n[time]\nend = 1\nstp = 2\n' >"$work/bad.toml"
 check 'unknown key set' 2 'with time.foo=3: unknown key "foo" in [time]' "$scree" check "$scenes/bounce.toml" --set time.foo=3
 check 'unknown table set' 2 'there is no "tim" in this scene; did you mean "time"?' "$scree" check "$scenes/bounce.toml" --set tim.end=3
+check 'contact by a number too many' 2 'there is no "1" in this scene: entries are numbered from 0 to 0' "$scree" check \
+    "$scenes/bounce.toml" --set contact.1.normal.restitution=1
 check 'unknown body set' 2 'there is no "bal" in this scene; did you mean "ball"?' "$scree" check "$scenes/bounce.toml" --set body.bal.mass=3
 check 'a transport file to run' 2 'unknown key "transport" in the scene; this looks like a file for scree plan' "$scree" run "$scenes/../transport/bars.toml" -o "$work/x6"
 check 'a scene to fit' 2 'in the fit file; this looks like a file for scree run' "$scree" fit "$scenes/bounce.toml" -o "$work/x6"

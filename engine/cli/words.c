@@ -83,25 +83,28 @@ static const char *const keys[KEYS] = {"radius",  "x",      "y",      "z",     "
                                        "density", "tilt_x", "tilt_y", "young", "poisson"};
 
 /* Which keys a shape takes. */
+enum { TAKEN = 1, NEEDED };
 static const struct {
     const char *name;
     scree_shape_kind kind;
     int takes[KEYS];
 } shapes[] = {
-    {"sphere", SCREE_SPHERE, {[RADIUS] = 1, [MASS] = 1, [DENSITY] = 1, [YOUNG] = 1, [POISSON] = 1}},
+    {"sphere",
+     SCREE_SPHERE,
+     {[RADIUS] = NEEDED, [MASS] = TAKEN, [DENSITY] = TAKEN, [YOUNG] = TAKEN, [POISSON] = TAKEN}},
     {"box",
      SCREE_BOX,
-     {[X] = 1,
-      [Y] = 1,
-      [Z] = 1,
-      [ROUNDING] = 1,
-      [MASS] = 1,
-      [DENSITY] = 1,
-      [TILT_X] = 1,
-      [TILT_Y] = 1,
-      [YOUNG] = 1,
-      [POISSON] = 1}},
-    {"plane", SCREE_PLANE, {[YOUNG] = 1, [POISSON] = 1}},
+     {[X] = NEEDED,
+      [Y] = NEEDED,
+      [Z] = NEEDED,
+      [ROUNDING] = TAKEN,
+      [MASS] = TAKEN,
+      [DENSITY] = TAKEN,
+      [TILT_X] = TAKEN,
+      [TILT_Y] = TAKEN,
+      [YOUNG] = TAKEN,
+      [POISSON] = TAKEN}},
+    {"plane", SCREE_PLANE, {[YOUNG] = TAKEN, [POISSON] = TAKEN}},
 };
 
 enum { SHAPES = sizeof shapes / sizeof shapes[0] };
@@ -119,9 +122,13 @@ static scree_status read_keys(const struct words *words, const char *option, con
         while (key < KEYS && !(takes[key] && strcmp(keys[key], words->setting[s].name) == 0)) key++;
         if (key == KEYS)
             return scree_report(trouble, SCREE_BAD_INPUT, option, "%s: a %s has no \"%s\"%s", option, words->name,
-                                words->setting[s].name, scree_hint(words->setting[s].name, names).text);
+                                words->setting[s].name, scree_hint_or_all(words->setting[s].name, names).text);
         value[key] = words->setting[s].value;
     }
+    for (int k = 0; k < KEYS; k++)
+        if (takes[k] == NEEDED && isnan(value[k]))
+            return scree_report(trouble, SCREE_BAD_INPUT, option, "%s: a %s needs %s= (m)", option, words->name,
+                                keys[k]);
     return SCREE_OK;
 }
 
