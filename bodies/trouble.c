@@ -194,6 +194,6 @@ struct scree_hint scree_hint_or_all(const char *wrong, const char *const *names)
     size_t used = 0;
     if (hint.text[0]) return hint;
     for (int k = 0; names[k] && used < sizeof hint.text; k++)
-        used += (size_t)snprintf(hint.text + used, sizeof hint.text - used, "%s%s", k ? ", " : "; there is ", names[k]);
+        used += (size_t)snprintf(hint.text + used, sizeof hint.text - used, "%s%s", k ? ", " : "; it has ", names[k]);
     return hint;
 }

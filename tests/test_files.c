@@ -414,7 +414,7 @@ static void test_bad_bodies(void) {
         {31, "write = [\"energy\"]", "s.toml:31:10:", "did you mean \"energy.csv\"?"},
         {31, "write = [\"VTK\"]", "s.toml:31:10:", "did you mean \"vtk\"?"},
         {31, "write = []\nform = \"text\"",
-         "s.toml:32:1:", "unknown key \"form\" in [output]; there is every, write, bodies"},
+         "s.toml:32:1:", "unknown key \"form\" in [output]; it has every, write, bodies"},
         {31, "write = []\nbodies = [\"three\"]", "s.toml:32:11:", "no body called \"three\""},
         {31, "bodies = []", "s.toml:31:10:", "would write none"},
         {0, "[[body]]\nname = \"x\"\nmaterial = \"a\"", "s.toml:32:1", "needs a shape"},

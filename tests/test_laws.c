@@ -443,7 +443,7 @@ static void test_refusals(void) {
            "did you mean \"stiffness\"", "normal.spring_stiffness");
     refuse((scree_law_choice){"linear", 2, {{"stiffness", k}, {"e", 0.5}}}, none, "did you mean \"restitution\"",
            "normal.e"); /* its symbol in the formula */
-    refuse((scree_law_choice){"linear", 1, {{"cohesion", k}}}, none, "there is stiffness, restitution, damping",
+    refuse((scree_law_choice){"linear", 1, {{"cohesion", k}}}, none, "it has stiffness, restitution, damping",
            "normal.cohesion");
     refuse((scree_law_choice){"linear", 1, {{"stiffness", k}}}, none, "neither is given", "normal");
     refuse((scree_law_choice){"linear", 3, {{"stiffness", k}, {"damping", 1.0}, {"restitution", 0.5}}}, none,
