@@ -42,7 +42,8 @@ struct run {
     struct scree_output output;
     scree_trouble trouble;
     int quiet;
-    time_t shown;
+    time_t shown, began; /* progress last, and the run, at the step `from` */
+    long from;
     scree_effort before; /* what came with a state */
     /* Energy books, if they are kept, since the start; and where the balance was worst beside what was turned over. */
     struct scree_watched books;
@@ -62,10 +63,19 @@ static void heed(int signal) {
     if (sigaction(signal, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(signal, &action, NULL);
 }
 
+/* What is left of the run if it goes on as it went so far; nothing before that can be told. */
+static void show_left(const struct run *run, long done, long all) {
+    double gone = difftime(run->shown, run->began), left = gone * (double)(all - done) / (double)(done - run->from);
+    double unit = left < 120.0 ? 1.0 : left < 7200.0 ? 60.0 : left < 172800.0 ? 3600.0 : 86400.0;
+    const char *name = unit == 1.0 ? "s" : unit == 60.0 ? "min" : unit == 3600.0 ? "h" : "days";
+    if (gone >= 2.0 && done > run->from) fprintf(stderr, "  %.0f %s left   ", left / unit, name);
+}
+
 static void show_progress(struct run *run, long done, long all) {
     if (run->quiet || !isatty(STDERR_FILENO) || (time(NULL) == run->shown && done < all)) return;
     run->shown = time(NULL);
     fprintf(stderr, "\r%5.1f %%  t = %-12.6g s", 100.0 * (double)done / (double)all, scree_scene_time(run->scene));
+    show_left(run, done, all);
     if (done >= all) fprintf(stderr, "\n");
 }
 
@@ -141,6 +151,8 @@ static scree_status step_to_row(struct run *run) {
 
 static scree_status simulate(struct run *run) {
     run->halvings = scree_scene_halvings(run->scene); /* of the state resumed from */
+    run->began = time(NULL);
+    run->from = scree_scene_steps(run->scene);
     scree_status status = scree_output_row(&run->output, run->scene, &run->trouble);
     if (!status) status = watch_books(run);
     while (!status && !interrupted && scree_scene_steps(run->scene) < last_step(run)) {
