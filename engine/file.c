@@ -113,7 +113,8 @@ scree_status scree_out_open(struct scree_out *out, const char *path, scree_troub
 
 /* An error after which nothing of the file is left. */
 static scree_status give_up(struct scree_out *out, int error, scree_trouble *trouble) {
-    scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->path, error ? strerror(error) : "write error");
+    scree_report(trouble, SCREE_NO_FILE, NULL, "%s: %s", out->path,
+                 error ? strerror(error) : "not all of it could be written");
     remove(out->temporary);
     forget(out);
     return SCREE_NO_FILE;

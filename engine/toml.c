@@ -658,7 +658,14 @@ static void miss(struct parser *p, const struct scree_toml *node, const char *pa
     struct scree_hint hint = scree_hint(part, names);
     if (!hint.text[0] && node->type == SCREE_TOML_ARRAY)
         snprintf(entries, sizeof entries, ": entries are numbered from 0 to %d", node->count - 1);
-    complain_at(p, 0, 0, "there is no \"%s\" in this scene%s%s", part, hint.text, entries);
+    complain_at(p, 0, 0, "there is no \"%s\" in this file%s%s", part, hint.text, entries);
+}
+
+/* Whether a key is like one that the table has; else it is of a table that the file doesn't have yet. */
+static int is_misspelt(const struct scree_toml *table, const char *key) {
+    for (const struct scree_toml *child = table->first; child; child = child->next)
+        if (scree_nearest_name(key, (const char *const[]){child->key, NULL})) return 1;
+    return 0;
 }
 
 scree_status scree_toml_set(struct scree_toml_document *document, const char *assignment, scree_trouble *trouble) {
@@ -678,7 +685,11 @@ scree_status scree_toml_set(struct scree_toml_document *document, const char *as
     if (!p.status && peek(&p) >= 0) complain_at(&p, 0, 0, "something follows the value");
     for (int k = 0; k + 1 < count && !p.status; k++) {
         struct scree_toml *child = step_into(node, parts[k]);
-        if (!child) miss(&p, node, parts[k]);
+        if (!child && node->type == SCREE_TOML_TABLE && !is_misspelt(node, parts[k])) {
+            child = add_child(&p, node, parts[k], new_node(&p, SCREE_TOML_TABLE));
+            if (child) forget_place(child, assignment);
+        } else if (!child)
+            miss(&p, node, parts[k]);
         node = child;
     }
     if (p.status) return p.status;

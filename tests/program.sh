@@ -442,10 +442,13 @@ nothing_left "$work/x4"
 check 'scene is a folder' 2 'directory' "$scree" run "$work" -o "$work/x5"
 printf 'title = "x"\n[time]\nend = 1\nstp = 2\n' >"$work/bad.toml"
 check 'unknown key set' 2 'with time.foo=3: unknown key "foo" in [time]' "$scree" check "$scenes/bounce.toml" --set time.foo=3
-check 'unknown table set' 2 'there is no "tim" in this scene; did you mean "time"?' "$scree" check "$scenes/bounce.toml" --set tim.end=3
-check 'contact by a number too many' 2 'there is no "1" in this scene: entries are numbered from 0 to 0' "$scree" check \
+check 'unknown table set' 2 'there is no "tim" in this file; did you mean "time"?' "$scree" check "$scenes/bounce.toml" --set tim.end=3
+check 'contact by a number too many' 2 'there is no "1" in this file: entries are numbered from 0 to 0' "$scree" check \
     "$scenes/bounce.toml" --set contact.1.normal.restitution=1
-check 'unknown body set' 2 'there is no "bal" in this scene; did you mean "ball"?' "$scree" check "$scenes/bounce.toml" --set body.bal.mass=3
+check 'unknown body set' 2 'there is no "bal" in this file; did you mean "ball"?' "$scree" check "$scenes/bounce.toml" --set body.bal.mass=3
+check 'a table set that the file lacks' 2 'starts outside of the domain' "$scree" check "$scenes/bounce.toml" \
+    --set 'domain.min=[-9,-9,-9]' --set 'domain.max=[9,9,0.1]'
+check 'a table set that there is not' 2 'unknown key "shapes" in the scene' "$scree" check "$scenes/bounce.toml" --set shapes.end=3
 check 'a transport file to run' 2 'unknown key "transport" in the scene; this looks like a file for scree plan' "$scree" run "$scenes/../transport/bars.toml" -o "$work/x6"
 check 'a scene to fit' 2 'in the fit file; this looks like a file for scree run' "$scree" fit "$scenes/bounce.toml" -o "$work/x6"
 check 'unknown key' 2 "bad.toml:4:1: unknown key \"stp\" in [time]; did you mean \"step\"?" "$scree" run "$work/bad.toml" -o "$work/x6"

@@ -188,6 +188,16 @@ static int run_gnuplot(const char *folder, const char *script) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
+/* gnuplot doesn't mind a full disk. */
+static int is_whole_plot(const char *path) {
+    char end[32] = "";
+    FILE *file = fopen(path, "rb");
+    size_t length = file && fseek(file, 1 - (long)sizeof end, SEEK_END) == 0 ? fread(end, 1, sizeof end - 1, file) : 0;
+    if (file) fclose(file);
+    end[length] = '\0';
+    return strstr(end, "</svg>") != NULL;
+}
+
 scree_status figures_plot(struct figures *figures, const char *name, const char *script) {
     char *path = file_name(figures, name, ".gp");
     struct scree_out out = {0};
@@ -220,6 +230,7 @@ scree_status figures_plot(struct figures *figures, const char *name, const char 
     if (!status && figures->plots) {
         const char *base = strrchr(path, '/') + 1;
         int code = run_gnuplot(figures->folder, base);
+        if (!code && plot && !is_whole_plot(plot)) code = 1;
         if (code && plot) remove(plot); /* half of one */
         if (code == 127) {
             figures->plots = 0;
