@@ -603,6 +603,7 @@ static inline int gather(const struct scree_bodies *bodies, const struct scree_b
 struct lean {
     double force[3][SCREE_LANES], turn_ball[3][SCREE_LANES], turn_host[3][SCREE_LANES];
     double untold[SCREE_LANES];
+    double borne[SCREE_LANES]; /* scree_borne */
 };
 
 /* What can't touch, or is padding. */
@@ -613,6 +614,7 @@ static inline void gather_nothing(struct block *b, int lane, struct lean *lean) 
     put(b->slip, lane, zero);
     b->overlap[lane] = SCREE_OUTSIDE;
     b->touching[lane] = b->share[lane] = b->closing[lane] = lean->untold[lane] = 0.0;
+    lean->borne[lane] = 1.0;
     put(lean->force, lane, zero);
     put(lean->turn_ball, lane, zero);
     put(lean->turn_host, lane, zero);
@@ -631,6 +633,7 @@ static inline void gather_crossing(const struct scree_bodies *bodies, const stru
     b->touching[lane] = b->share[lane] = c.meeting.overlap > 0.0 ? 1.0 : 0.0;
     b->closing[lane] = gait.closing;
     lean->untold[lane] = gait.untold;
+    lean->borne[lane] = scree_borne(&c, &leans, boxes->inset.by > 0.0);
     put(lean->force, lane, leans.force);
     put(lean->turn_ball, lane, leans.turn_a);
     put(lean->turn_host, lane, leans.turn_b);
@@ -690,7 +693,10 @@ static inline int deepen_corners(const struct scree_bodies *bodies, const struct
         int same = lane > 0 && one->ball == one[-1].ball && one->host == one[-1].host;
         if (!same) boxes = scree_deep_boxes_of(bodies, one);
         if (!(boxes.inset.by > 0.0)) continue;
-        if (!any) memset(lean, 0, sizeof *lean);
+        if (!any) {
+            memset(lean, 0, sizeof *lean);
+            for (int k = 0; k < SCREE_LANES; k++) lean->borne[k] = 1.0;
+        }
         any = 1;
         gather_crossing(bodies, one, &boxes, SCREE_BALL_BOX, b, lane, lean);
     }

@@ -398,7 +398,7 @@ struct scree_crossing scree_meet_corner(const struct scree_two_boxes *boxes, int
         outward = vec_axpy(outward, side, boxes->a->frame.column[k]);
     }
     struct end end = corner_of_a(boxes, p, outward);
-    struct scree_crossing c = {{end.push, end.overlap}, zero, zero, zero, zero};
+    struct scree_crossing c = {{end.push, end.overlap}, zero, zero, zero, zero, 1.0, {0.0}};
     c.point = vec_axpy(p, 0.5 * end.overlap - boxes->rounding_a - boxes->inset.by, end.push);
     add_force(&c, boxes->apart, end.push, c.point);
     count_inset(&c, boxes, end.slope);
@@ -418,11 +418,13 @@ static void share_with_ends(const struct scree_two_boxes *boxes, const struct en
         steeper += 2.0 * square / (1.0 - square);
     }
     c->meeting.overlap = d * left;
-    add_force(c, boxes->apart, vec_scale(left * steeper, c->meeting.normal), c->point);
+    c->own = left * steeper;
+    add_force(c, boxes->apart, vec_scale(c->own, c->meeting.normal), c->point);
     slope *= left * steeper;
     for (int k = 0; k < 4; k++) {
         if (end[k].ratio == 0.0) continue;
         double less = -2.0 * end[k].ratio * left / (1.0 - end[k].ratio * end[k].ratio);
+        c->handed[k] = -less;
         add_force(c, boxes->apart, vec_scale(less, end[k].push), end[k].point);
         slope += less * end[k].slope;
     }
@@ -434,7 +436,7 @@ struct scree_crossing scree_meet_edges(const struct scree_two_boxes *boxes, int 
     double inset = boxes->inset.by;
     struct edge a = edge_of(boxes->a, ea, inset), b = edge_of(boxes->b, eb, inset);
     struct vec zero = {0.0, 0.0, 0.0};
-    struct scree_crossing c = {{vec(0.0, 0.0, 1.0), SCREE_OUTSIDE}, zero, zero, zero, zero};
+    struct scree_crossing c = {{vec(0.0, 0.0, 1.0), SCREE_OUTSIDE}, zero, zero, zero, zero, 1.0, {0.0}};
     struct lines lines;
     if (!lines_cross(&a, &b, vec_sub(vec_add(boxes->apart, a.middle), b.middle), &lines)) return c;
     double rounding_a = boxes->rounding_a + inset, d = rounding_a + (boxes->rounding_b + inset) - lines.distance;

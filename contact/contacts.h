@@ -519,9 +519,10 @@ int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *b
 /* A contact as measured at the instant of the records, without changing anything. Vectors in the world. */
 struct scree_touch {
     int ball, host, corner;
-    int edges;                         /* `corner` is the code of two edges */
-    double overlap, closing;           /* m, m/s */
-    double normal_force;               /* N */
+    int edges;               /* `corner` is the code of two edges */
+    double overlap, closing; /* m, m/s */
+    double normal_force;     /* N */
+    double load; /* what of it friction and rolling count from, N (scree_borne, scree_relief); 0 if it pulls */
     double stored, stored_in_friction; /* J, in normal direction; in the springs of friction and rolling */
     struct vec normal;                 /* from the host towards the ball */
     struct vec point;                  /* middle of the overlap, m */
@@ -536,6 +537,13 @@ struct scree_touch {
 /* Measure contact `index` of batch `batch`; returns 1 if it touches, else 0. `bodies` may be a shadow. */
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
                            int index, struct scree_touch *touch);
+
+/* What crossings of edges take off the corner of a box on another box, N (relief.c); 0 of boxes that are drawn in. */
+double scree_relief(const struct scree_bodies *bodies, const struct scree_rule *rule,
+                    const struct scree_contact *contact);
+
+/* Whether a contact is one of those. */
+int scree_may_be_relieved(const struct scree_bodies *bodies, const struct scree_contact *contact);
 
 /* What contact `index` of batch `batch` does within a step if it goes on as at the instant of the records, N s and N m
  * s; `ball` is -1 if it doesn't touch. Changes nothing. */

@@ -12,7 +12,8 @@
  * is a corner just as deep: q goes to zero, and the corner takes over. Faces that lie on each other with corners
  * between them are borne by those corners alone, faces without by their crossings. As distances are differentiable
  * functions of the pose, so is q: the contact pushes along all the pushes that q consists of (`force`, `turn_a`,
- * `turn_b`), and an elastic law has a potential.
+ * `turn_b`), and an elastic law has a potential. Some of these take load off the corners beside it (`handed`): friction
+ * counts from what is left at each point (relief.c).
  *
  * Boxes deeper in each other than R (sharp ones at once) are taken for more rounded than they are: both cores are drawn
  * in by s = 0.6 x the depth D of the cores, and both roundings grow by as much. They lie within the boxes, so nothing
@@ -56,6 +57,8 @@ void scree_draw_in(struct scree_two_boxes *boxes);
 struct scree_crossing {
     struct scree_meeting meeting;
     struct vec point, force, turn_a, turn_b;
+    double own, handed[4]; /* what of it pushes at the point itself; what is taken off the corners at the ends of the
+                              edge of a, and of b */
 };
 
 /* Corner 0 … 7 of a (bits for +x, +y, +z) on b. */

@@ -95,6 +95,7 @@ struct view {
     double overlap;
     int leans;                  /* of edges on edges, and of corners of boxes that are deep: */
     struct scree_gradient lean; /* scree_lean_of; */
+    double borne;               /* scree_borne, */
     double muffled;             /* scree_muffled, else 1 */
 };
 
@@ -123,9 +124,11 @@ static struct view view_of_crossing(const struct scree_bodies *bodies, const str
                         .apart = boxes->apart,
                         .overlap = c.meeting.overlap,
                         .leans = 1,
+                        .borne = 1.0,
                         .muffled = 1.0};
     if (!(view.overlap > 0.0)) return view;
     view.lean = scree_lean_of(&c, boxes->apart);
+    view.borne = scree_borne(&c, &view.lean, boxes->inset.by > 0.0);
     view.muffled = scree_muffled(bodies, contact, &c);
     return view;
 }
@@ -144,6 +147,7 @@ static struct view view_of(const struct scree_bodies *bodies, const struct scree
                          .arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
                          .apart = scree_apart(bodies, contact, geometry),
                          .overlap = m.overlap,
+                         .borne = 1.0,
                          .muffled = 1.0};
 }
 
@@ -497,7 +501,11 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     struct scree_pair_motion *p = &o->p;
     *p = laws_of(contacts, place);
     p->n = now.normal;
-    p->muffled = middle.overlap > 0.0 ? middle.muffled : now.muffled;
+    const struct view *seen_at = middle.overlap > 0.0 ? &middle : &now;
+    p->muffled = seen_at->muffled;
+    p->borne = seen_at->borne;
+    if (p->friction && batch->geometry == SCREE_BALL_BOX && scree_may_be_relieved(bodies, contact))
+        p->relief = scree_relief(seen_at == &middle ? bodies : bodies_now, &contacts->rule[batch->rule], contact);
     p->step = step;
     set_give(p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);

@@ -60,11 +60,29 @@ static void act_edges(const struct scree_contacts *contacts, const struct scree_
         return;
     }
     struct work w = work_on(contacts, bodies, batch, first, step);
+    struct bearing bearing = {.relief = {0.0}};
+    memcpy(bearing.borne, lean.borne, sizeof bearing.borne);
+    w.bearing = &bearing;
     begin_at(&w, first);
     press(&w, first, count, see(&b, count, w.wants), &b);
     tell_all(&b, &lean, count);
     finish(contacts, batch, &b, count, step, w.wants.sizes, yield);
     act_leaning(&b, &lean, count, step, yield);
+}
+
+/* What corners of boxes bear of their normal forces; `lean`: of those that are deep, NULL: none is. Returns whether
+ * there are any. */
+static int find_bearing(const struct scree_bodies *bodies, const struct scree_rule *rule,
+                        const struct scree_contact *contact, int count, const struct block *b, const struct lean *lean,
+                        struct bearing *bearing) {
+    int any = 0;
+    for (int k = 0; k < padded(count); k++) {
+        int asks = k < count && b->overlap[k] > 0.0 && scree_may_be_relieved(bodies, &contact[k]);
+        any |= asks;
+        bearing->borne[k] = lean ? lean->borne[k] : 1.0;
+        bearing->relief[k] = asks ? scree_relief(bodies, rule, &contact[k]) : 0.0;
+    }
+    return any;
 }
 
 static void act(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
@@ -83,7 +101,11 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
     find_ends(bodies, batch->ends + first, count, &ends);
     int events = gather(bodies, batch, contact, &ends, count, w.wants, &b);
     int deep = batch->geometry == SCREE_BALL_BOX && deepen_corners(bodies, contact, count, &b, &lean);
+    struct bearing bearing;
     if (deep) events = see(&b, count, w.wants);
+    if (w.rubs && batch->geometry == SCREE_BALL_BOX &&
+        find_bearing(bodies, w.rule, contact, count, &b, deep ? &lean : NULL, &bearing))
+        w.bearing = &bearing;
     press(&w, first, count, events, &b);
     if (deep) tell_all(&b, &lean, count);
     finish(contacts, batch, &b, count, step, w.wants.sizes, yield);

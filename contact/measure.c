@@ -28,9 +28,7 @@ static void measure_friction(const struct scree_contacts *contacts, const struct
                              struct scree_touch *touch) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
-    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
-                               .overlap = touch->overlap,
-                               .velocity = touch->slip};
+    struct scree_sliding at = {.normal = touch->load, .overlap = touch->overlap, .velocity = touch->slip};
     if (friction->memory) {
         struct vec kept = vec(scree_kept(batch, 0, index), scree_kept(batch, 1, index), scree_kept(batch, 2, index));
         at.stretch = stretch_now(contacts, bodies, kept, touch);
@@ -56,9 +54,8 @@ static void measure_turning(const struct scree_contacts *contacts, const struct 
     struct vec spin = vec_sub(scree_spin_of(bodies, touch->ball), scree_spin_of(bodies, touch->host));
     struct vec velocity = vec_scale(lever, spin);
     double along = vec_dot(velocity, n);
-    struct scree_sliding at = {.normal = touch->normal_force > 0.0 ? touch->normal_force : 0.0,
-                               .overlap = touch->overlap,
-                               .velocity = vec_axpy(velocity, -along, n)};
+    struct scree_sliding at = {
+        .normal = touch->load, .overlap = touch->overlap, .velocity = vec_axpy(velocity, -along, n)};
     at.stretch = stretch_now(contacts, bodies, vec_from(kept), touch);
     at.sliding = kept[3];
     struct scree_tangential r = law->resist(constants, constants->c[SCREE_ROLLING_COEFFICIENT], at);
@@ -70,10 +67,11 @@ static void measure_turning(const struct scree_contacts *contacts, const struct 
     touch->stored_in_friction += 0.5 * law->stiffness(constants) * (vec_norm2(r.stretch) + s.stretch.x * s.stretch.x);
 }
 
-/* Where and how a contact moves; `m` receives normal and overlap, `lean` what boxes do besides. */
+/* Where and how a contact moves; `m` receives normal and overlap, `lean` what boxes do besides,
+ * `borne` the part of the normal force that friction counts from. */
 static struct scree_gait gait_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                  const struct scree_contact *contact, const struct scree_batch *batch,
-                                 struct scree_meeting *m, struct scree_gradient *lean) {
+                                 struct scree_meeting *m, struct scree_gradient *lean, double *borne) {
     enum scree_geometry geometry = batch->geometry;
     int rolls = contacts->rule[batch->rule].rolling >= 0;
     const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
@@ -84,6 +82,7 @@ static struct scree_gait gait_of(const struct scree_contacts *contacts, const st
             struct scree_crossing crossing = scree_cross(&boxes, contact, geometry);
             *m = crossing.meeting;
             *lean = scree_lean_of(&crossing, boxes.apart);
+            *borne = scree_borne(&crossing, lean, boxes.inset.by > 0.0);
             return scree_gait_on_edges(bodies, contact, &crossing);
         }
     }
@@ -118,7 +117,8 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     struct scree_meeting m;
     struct vec none = {0.0, 0.0, 0.0};
     struct scree_gradient lean = {none, none, none};
-    struct scree_gait gait = gait_of(contacts, bodies, contact, batch, &m, &lean);
+    double borne = 1.0, relief = 0.0;
+    struct scree_gait gait = gait_of(contacts, bodies, contact, batch, &m, &lean, &borne);
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct scree_pressing pressing = scree_pressed(m.overlap, gait.closing, 0.0, 0.0);
     if (normal->memory) {
@@ -143,6 +143,10 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->overlap = m.overlap;
     touch->closing = gait.closing + gait.untold;
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
+    int rubs = rule->friction >= 0 || rule->rolling >= 0;
+    if (rubs && contacts->step > 0.0 && scree_may_be_relieved(bodies, contact) && batch->geometry == SCREE_BALL_BOX)
+        relief = scree_relief(bodies, rule, contact);
+    touch->load = touch->normal_force > 0.0 ? fmax(touch->normal_force * borne - relief, 0.0) : 0.0;
     touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
     if (unbooked) touch->stored += scree_snap_energy(normal->stored, &rule->normal_constants, pair);
     touch->normal = m.normal;

@@ -180,6 +180,15 @@ static inline struct scree_gradient scree_lean_of(const struct scree_crossing *c
                                    vec_add(c->turn_b, vec_cross(vec_add(c->point, apart), n))};
 }
 
+/* What of one newton of a crossing's force friction counts from: what it does at the crossing itself, without what it
+ * takes off the corners beside it (scree_relief); of boxes that are drawn in, what it does along the normal. Nothing
+ * where that pulls. `lean`: scree_lean_of. */
+static inline double scree_borne(const struct scree_crossing *c, const struct scree_gradient *lean, int drawn_in) {
+    double along = 1.0 + vec_dot(lean->force, c->meeting.normal);
+    if (!drawn_in) return c->own;
+    return along > 0.0 ? along : 0.0;
+}
+
 /* How two edges move at their crossing; they close in as fast as their overlap grows. */
 static inline struct scree_gait scree_gait_on_edges(const struct scree_bodies *bodies,
                                                     const struct scree_contact *contact,

@@ -297,16 +297,23 @@ static void pack(const double *state, int count, unsigned char *slides) {
 }
 #endif
 
+/* What of the normal forces in a block friction and rolling count from: a part of each (scree_borne), less what
+ * crossings take off (scree_relief), N. */
+struct bearing {
+    double borne[SCREE_LANES], relief[SCREE_LANES];
+};
+
 /* What is the same for all blocks of a run of contacts, and where the columns of the next block are. */
 struct work {
     const struct scree_batch *batch;
     const struct scree_rule *rule;
     struct wants wants;
-    int balls;    /* both are balls */
-    int rubs;     /* with friction or rolling */
-    int slides;   /* friction goes through the passes of a slider */
-    int in_force; /* friction keeps a force */
-    int bends;    /* friction keeps what bristles are bent by */
+    int balls;                     /* both are balls */
+    int rubs;                      /* with friction or rolling */
+    int slides;                    /* friction goes through the passes of a slider */
+    int in_force;                  /* friction keeps a force */
+    int bends;                     /* friction keeps what bristles are bent by */
+    const struct bearing *bearing; /* of a block of boxes, what of normal forces friction counts from; NULL: all */
     const double *pair[SCREE_PAIR_COLUMNS];
     double *kept[SCREE_MEMORY];
 };
@@ -380,6 +387,14 @@ static void end_forces(const struct work *w, struct block *b, int count, uint32_
                 kept_while(half * share * (b->half_steps_in[k] + 1.0) * stiffness_at(w, b, k, 1.0), get(b->slip, k)));
 }
 
+/* All of the normal forces is kept in `whole`. */
+static void bear_in_part(struct block *b, int count, const struct bearing *bearing, double *whole) {
+    for (int k = 0; k < padded(count); k++) {
+        whole[k] = b->force[k];
+        b->force[k] = whole[k] * bearing->borne[k] - bearing->relief[k];
+    }
+}
+
 /* From gathered columns on, all passes but the last; `events`: as seen in meeting. */
 static void press(struct work *w, int first, int count, int events, struct block *b) {
     const struct scree_rule *rule = w->rule;
@@ -394,6 +409,8 @@ static void press(struct work *w, int first, int count, int events, struct block
     else if (w->wants.remembers)
         turn_stretches(b, count, step, w->kept);
     normal_passes[rule->normal](b, count, &rule->normal_constants, w->pair, w->kept, step);
+    double whole[SCREE_LANES];
+    if (w->bearing) bear_in_part(b, count, w->bearing, whole);
     if (w->bends && events & CHANGES) begin_stretches(b, count, step, w->kept);
     uint32_t begins = w->in_force && events & CHANGES ? begin_forces(w, b, count) : 0;
     if (rule->friction >= 0)
@@ -409,6 +426,7 @@ static void press(struct work *w, int first, int count, int events, struct block
         begin_turning(b, count, step, w->pair, w->kept + SCREE_KEPT_ROLLING);
     if (rule->rolling >= 0) rolling_passes[rule->rolling](b, count, &rule->rolling_constants, w->pair, w->kept, step);
     if (batch->slides) pack(b->state, count, batch->slides + first);
+    if (w->bearing) memcpy(b->force, whole, (size_t)padded(count) * sizeof *whole);
 }
 
 #endif

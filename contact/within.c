@@ -45,7 +45,8 @@ static double lasting(const struct scree_pair_motion *p, const struct scree_pair
 
 static struct scree_sliding sliding_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                                        double normal) {
-    struct scree_sliding sliding = {.normal = normal > 0.0 ? normal : 0.0, .overlap = at->overlap};
+    double load = normal * p->borne - p->relief;
+    struct scree_sliding sliding = {.normal = load > 0.0 ? load : 0.0, .overlap = at->overlap};
     double closing = closing_of(p, at);
     sliding.closing = closing / p->muffled;
     sliding.velocity = vec_axpy(at->velocity, closing, p->n);

@@ -23,6 +23,8 @@ struct scree_pair_motion {
     int bare;       /* which has no dashpot beside it */
     int turns;      /* force may change its formula where approach turns into parting */
     int books;      /* energy is looked at */
+    double borne;   /* part of the normal force that friction counts from (scree_borne), */
+    double relief;  /* less this, N (scree_relief) */
     double muffled; /* how many times slower the normal law is told that they close in (scree_muffled) */
 };
 
