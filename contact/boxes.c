@@ -384,6 +384,7 @@ static void count_inset(struct scree_crossing *c, const struct scree_two_boxes *
     struct scree_gradient p =
         gradient_axpy((struct scree_gradient){c->force, c->turn_a, c->turn_b}, slope, inset->deeper);
     p = gradient_axpy(gradient_scale(inset->factor, p), c->meeting.overlap, inset->larger);
+    for (int k = 0; k < 4; k++) c->handed[k] *= inset->factor;
     c->meeting.overlap *= inset->factor;
     c->force = p.force;
     c->turn_a = p.turn_a;

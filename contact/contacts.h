@@ -538,9 +538,10 @@ struct scree_touch {
 int scree_contacts_measure(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int batch,
                            int index, struct scree_touch *touch);
 
-/* What crossings of edges take off the corner of a box on another box, N (relief.c); 0 of boxes that are drawn in. */
+/* What crossings of edges take off the corner of a box on another box, N (relief.c). `boxes`: drawn in where they are
+ * deep (scree_deep_boxes_of). */
 double scree_relief(const struct scree_bodies *bodies, const struct scree_rule *rule,
-                    const struct scree_contact *contact);
+                    const struct scree_contact *contact, const struct scree_two_boxes *boxes);
 
 /* Whether a contact is one of those. */
 int scree_may_be_relieved(const struct scree_bodies *bodies, const struct scree_contact *contact);

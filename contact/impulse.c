@@ -501,11 +501,12 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     struct scree_pair_motion *p = &o->p;
     *p = laws_of(contacts, place);
     p->n = now.normal;
-    const struct view *seen_at = middle.overlap > 0.0 ? &middle : &now;
-    p->muffled = seen_at->muffled;
-    p->borne = seen_at->borne;
+    int at_now = !(middle.overlap > 0.0);
+    p->muffled = at_now ? now.muffled : middle.muffled;
+    p->borne = at_now ? now.borne : middle.borne;
     if (p->friction && batch->geometry == SCREE_BALL_BOX && scree_may_be_relieved(bodies, contact))
-        p->relief = scree_relief(seen_at == &middle ? bodies : bodies_now, &contacts->rule[batch->rule], contact);
+        p->relief = scree_relief(at_now ? bodies_now : bodies, &contacts->rule[batch->rule], contact,
+                                 &place.pair[!at_now].boxes);
     p->step = step;
     set_give(p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);

@@ -75,14 +75,18 @@ static void act_edges(const struct scree_contacts *contacts, const struct scree_
 static int find_bearing(const struct scree_bodies *bodies, const struct scree_rule *rule,
                         const struct scree_contact *contact, int count, const struct block *b, const struct lean *lean,
                         struct bearing *bearing) {
-    int any = 0;
+    int last = -1; /* for which the boxes are at hand */
+    struct scree_two_boxes boxes = {.a = NULL};
     for (int k = 0; k < padded(count); k++) {
-        int asks = k < count && b->overlap[k] > 0.0 && scree_may_be_relieved(bodies, &contact[k]);
-        any |= asks;
         bearing->borne[k] = lean ? lean->borne[k] : 1.0;
-        bearing->relief[k] = asks ? scree_relief(bodies, rule, &contact[k]) : 0.0;
+        bearing->relief[k] = 0.0;
+        if (k >= count || !(b->overlap[k] > 0.0) || !scree_may_be_relieved(bodies, &contact[k])) continue;
+        int same = last >= 0 && contact[k].ball == contact[last].ball && contact[k].host == contact[last].host;
+        if (!same) boxes = scree_deep_boxes_of(bodies, &contact[k]);
+        bearing->relief[k] = scree_relief(bodies, rule, &contact[k], &boxes);
+        last = k;
     }
-    return any;
+    return last >= 0;
 }
 
 static void act(const struct scree_contacts *contacts, const struct scree_bodies *bodies,

@@ -102,6 +102,12 @@ static struct scree_gait gait_of(const struct scree_contacts *contacts, const st
                          ball_spin, host_spin);
 }
 
+static double relief_of(const struct scree_bodies *bodies, const struct scree_rule *rule,
+                        const struct scree_contact *contact) {
+    struct scree_two_boxes boxes = scree_deep_boxes_of(bodies, contact);
+    return scree_relief(bodies, rule, contact, &boxes);
+}
+
 static int are_rectangles(const struct scree_bodies *bodies, const struct scree_contact *contact) {
     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
     return scree_meet_as_rectangles(&boxes, (struct scree_rectangles){0, 0, 1});
@@ -145,7 +151,7 @@ int scree_contacts_measure(const struct scree_contacts *contacts, const struct s
     touch->normal_force = normal->cut && force < 0.0 ? 0.0 : force;
     int rubs = rule->friction >= 0 || rule->rolling >= 0;
     if (rubs && contacts->step > 0.0 && scree_may_be_relieved(bodies, contact) && batch->geometry == SCREE_BALL_BOX)
-        relief = scree_relief(bodies, rule, contact);
+        relief = relief_of(bodies, rule, contact);
     touch->load = touch->normal_force > 0.0 ? fmax(touch->normal_force * borne - relief, 0.0) : 0.0;
     touch->stored = normal->stored(&rule->normal_constants, pair, pressing);
     if (unbooked) touch->stored += scree_snap_energy(normal->stored, &rule->normal_constants, pair);

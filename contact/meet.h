@@ -181,12 +181,13 @@ static inline struct scree_gradient scree_lean_of(const struct scree_crossing *c
 }
 
 /* What of one newton of a crossing's force friction counts from: what it does at the crossing itself, without what it
- * takes off the corners beside it (scree_relief); of boxes that are drawn in, what it does along the normal. Nothing
- * where that pulls. `lean`: scree_lean_of. */
+ * takes off the corners beside it (scree_relief); of boxes that are drawn in, what it does along the normal instead,
+ * and these corners apart. Nothing where that pulls. `lean`: scree_lean_of. */
 static inline double scree_borne(const struct scree_crossing *c, const struct scree_gradient *lean, int drawn_in) {
-    double along = 1.0 + vec_dot(lean->force, c->meeting.normal);
+    double all = 1.0 + vec_dot(lean->force, c->meeting.normal);
+    for (int k = 0; k < 4; k++) all += c->handed[k];
     if (!drawn_in) return c->own;
-    return along > 0.0 ? along : 0.0;
+    return all > 0.0 ? all : 0.0;
 }
 
 /* How two edges move at their crossing; they close in as fast as their overlap grows. */

@@ -31,18 +31,19 @@ static unsigned near_along(const double from[3], const double way[3], const doub
 
 /* Edges of the host that come near the edge of the ball along `axis` from a corner on; bits. */
 static unsigned edges_near(const struct scree_two_boxes *boxes, int corner, int axis) {
-    struct vec at = boxes->apart,
-               along = vec_scale(corner >> axis & 1 ? -2.0 * boxes->a->half[axis] : 2.0 * boxes->a->half[axis],
-                                 boxes->a->frame.column[axis]);
+    const struct scree_attitude *a = boxes->a;
+    double from[3], way[3], half[3], inset = boxes->inset.by, length = 2.0 * (a->half[axis] - inset);
+    double reach = boxes->rounding_a + boxes->rounding_b + 2.0 * inset;
+    struct vec at = boxes->apart, along = vec_scale(corner >> axis & 1 ? -length : length, a->frame.column[axis]);
     for (int k = 0; k < 3; k++)
-        at = vec_axpy(at, corner >> k & 1 ? boxes->a->half[k] : -boxes->a->half[k], boxes->a->frame.column[k]);
-    double from[3], way[3], reach = boxes->rounding_a + boxes->rounding_b;
+        at = vec_axpy(at, corner >> k & 1 ? a->half[k] - inset : inset - a->half[k], a->frame.column[k]);
     for (int k = 0; k < 3; k++) {
+        half[k] = boxes->b->half[k] - inset;
         from[k] = vec_dot(boxes->b->frame.column[k], at);
         way[k] = vec_dot(boxes->b->frame.column[k], along);
     }
     unsigned near = 0;
-    for (int w = 0; w < 3; w++) near |= near_along(from, way, boxes->b->half, w, reach);
+    for (int w = 0; w < 3; w++) near |= near_along(from, way, half, w, reach);
     return near;
 }
 
@@ -76,16 +77,14 @@ static double relief_along(const struct scree_bodies *bodies, const struct scree
 }
 
 double scree_relief(const struct scree_bodies *bodies, const struct scree_rule *rule,
-                    const struct scree_contact *contact) {
-    struct scree_two_boxes boxes = scree_two_boxes_of(bodies, contact->ball, contact->host);
+                    const struct scree_contact *contact, const struct scree_two_boxes *boxes) {
     unsigned near[3], any = 0;
-    for (int axis = 0; axis < 3; axis++) any |= near[axis] = edges_near(&boxes, (contact->corner - 1) % 8, axis);
-    /* Of boxes that are deeper in each other than their roundings all leans (scree_lean_of). */
-    if (!any || rule->corners || !(scree_cores_apart(&boxes) > 0.0)) return 0.0;
-    if (scree_meet_as_rectangles(&boxes, (struct scree_rectangles){0, 0, 1})) return 0.0;
+    for (int axis = 0; axis < 3; axis++) any |= near[axis] = edges_near(boxes, (contact->corner - 1) % 8, axis);
+    if (!any || rule->corners) return 0.0;
+    if (scree_meet_as_rectangles(boxes, (struct scree_rectangles){0, 0, 1})) return 0.0;
     double relief = 0.0;
     for (int axis = 0; axis < 3; axis++)
-        if (near[axis]) relief += relief_along(bodies, rule, contact, &boxes, axis, near[axis]);
+        if (near[axis]) relief += relief_along(bodies, rule, contact, boxes, axis, near[axis]);
     return relief;
 }
 
