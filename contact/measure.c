@@ -102,6 +102,7 @@ static struct scree_gait gait_of(const struct scree_contacts *contacts, const st
                          ball_spin, host_spin);
 }
 
+/* What crossings take off the corner of a box, N. */
 static double relief_of(const struct scree_bodies *bodies, const struct scree_rule *rule,
                         const struct scree_contact *contact) {
     struct scree_two_boxes boxes = scree_deep_boxes_of(bodies, contact);
