@@ -14,6 +14,8 @@
 typedef struct scree_normal_force press_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                             struct scree_pressing at);
 typedef struct scree_hold hold_law(const struct scree_law_constants *law, struct scree_sliding at);
+typedef double stored_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                          struct scree_pressing at);
 typedef double at_overlap(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 
 /* The laws of a pass: constants where it is called, so that each pass is a loop of its own. */
@@ -21,6 +23,7 @@ struct smooth_laws {
     press_law *press;
     hold_law *hold; /* friction is a slider behind a spring and a dashpot (slider.h); NULL: there is none */
     at_overlap *stiffness, *damping;
+    stored_law *stored; /* in the normal direction */
     int cut, root;
     int bare;      /* the spring has no dashpot beside it */
     int all_stick; /* no slider of the loop slides: how one does isn't reckoned */
@@ -349,15 +352,37 @@ static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const stru
     return rate;
 }
 
+/* A step in sigma on its way: what has been yielded before it, and by what comes of it so far; the rates of its last
+ * stage, and the time per unit of its step that goes with them; its first stage and when that is; its last. */
+struct ticking {
+    struct yields start, end, rate;
+    double along, began;
+    struct stage first, at;
+};
+
+/* The stage at so much of the step, `weight` of which counts. A function for each stage instead of a loop over them:
+ * compilers make no vectors of lanes that have a loop inside. */
+static SCREE_INLINE void tick_on(struct smooth_laws laws, const struct smooth_lane *lane, struct lane_constants *m,
+                                 int k, struct course *c, const struct rk_step *to, int is_first, double node,
+                                 double weight, struct ticking *on) {
+    double span = to->span[k], size = to->size[k];
+    double sigma = to->sigma[k] + node * size, lower = scree_whole_power(sigma, laws.root - 1);
+    double t = to->offset[k] + span * lower * sigma;
+    struct yields now = weight > 0.0 ? add_yields(on->start, node * on->along, &on->rate) : on->end;
+    if (is_first) on->began = t;
+    on->rate = tick_stage(laws, lane, m, k, c, t, &now, is_first ? NULL : &on->first, t - on->began, &on->at);
+    if (is_first) on->first = on->at;
+    on->along = size * span * laws.root * lower;
+    if (weight > 0.0) on->end = add_yields(on->end, weight * on->along, &on->rate);
+}
+
 /* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and
  * their moments themselves are the states. One step in sigma; of size 0: nothing. */
 static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_rule *rule, struct lane_constants *m,
                                    int k, double step, struct course *c, struct rk_step *to) {
-    const double node[5] = {0.0, 0.5, 0.5, 1.0, 1.0}, weight[4] = {1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0};
     struct smooth_lane lane = lane_of(rule, m, k);
-    double span = to->span[k], size = to->size[k], along = 0.0, began = 0.0;
-    struct stage at = {.slides = laws.hold ? c->slides[k] : 0.0}, first = at;
-    struct yields start = {.press = to->press[k], .press_moment = to->press_moment[k]}, rate = {.press = 0.0};
+    double size = to->size[k];
+    struct yields start = {.press = to->press[k], .press_moment = to->press_moment[k]};
     if (laws.hold) {
         start.rubbed = to->rubbed[k];
         start.rub = get(to->rub, k);
@@ -365,17 +390,14 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
         start.deep = get(to->deep, k);
         start.s = get(to->s, k);
     }
-    struct yields end = start;
-    for (int i = 0; i < 5; i++) { /* the last: the end */
-        double sigma = to->sigma[k] + node[i] * size, lower = scree_whole_power(sigma, laws.root - 1);
-        double t = to->offset[k] + span * lower * sigma;
-        struct yields now = i == 4 ? end : add_yields(start, node[i] * along, &rate);
-        if (i == 0) began = t;
-        rate = tick_stage(laws, &lane, m, k, c, t, &now, i > 0 ? &first : NULL, t - began, &at);
-        if (i == 0) first = at;
-        along = size * span * laws.root * lower;
-        if (i < 4) end = add_yields(end, weight[i] * along, &rate);
-    }
+    struct ticking on = {.start = start, .end = start, .at = {.slides = laws.hold ? c->slides[k] : 0.0}};
+    tick_on(laws, &lane, m, k, c, to, 1, 0.0, 1.0 / 6.0, &on);
+    tick_on(laws, &lane, m, k, c, to, 0, 0.5, 2.0 / 6.0, &on);
+    tick_on(laws, &lane, m, k, c, to, 0, 0.5, 2.0 / 6.0, &on);
+    tick_on(laws, &lane, m, k, c, to, 0, 1.0, 1.0 / 6.0, &on);
+    tick_on(laws, &lane, m, k, c, to, 0, 1.0, 0.0, &on); /* the end */
+    struct stage at = on.at;
+    struct yields end = on.end;
     to->sigma[k] += size;
     to->d[k] = at.d;
     to->u[k] = at.u;
@@ -444,6 +466,14 @@ static SCREE_INLINE double rate_lane(struct smooth_laws laws, const struct scree
     m->pushes[1][k] = step * (then.damping + step * softness);
     c->odd[k] = c->d[k] > 0.0 && !(force > 0.0) ? 1.0 : 0.0;
     return more;
+}
+
+/* Energy in the normal direction that a contact gives back, J. */
+static SCREE_INLINE double stored_at(struct smooth_laws laws, const struct scree_rule *rule,
+                                     const struct lane_constants *m, int k, double overlap, double closing) {
+    struct smooth_lane lane = lane_of(rule, m, k);
+    double stored = laws.stored(lane.normal, lane.normal_pair, scree_pressed(overlap, closing, 0.0, 0.0));
+    return overlap > 0.0 ? stored : 0.0;
 }
 
 #endif

@@ -16,6 +16,8 @@ struct smooth_loops {
                struct rk_step *to);
     void (*tick)(const struct scree_rule *rule, struct lane_constants *m, int count, double step, struct course *c,
                  struct rk_step *to);
+    void (*store)(const struct scree_rule *rule, const struct lane_constants *m, int count, const double *overlap,
+                  const double *closing, double *energy);
 };
 
 /* Flags in such a loop are numbers, 0 or 1: negations of ints beside doubles keep gcc from making vectors. */
@@ -231,32 +233,50 @@ static int set_clock(const struct smooth_pass *pass, int k, int ends, struct mar
     return pieces;
 }
 
-/* The step of all lanes by the clock of a root. */
+/* What tells events, at the begin of the step; of a slider soon behind it: at the very begin there may be no forces yet
+ * to compare. */
+static void look_at_begin(const struct smooth_pass *pass, int count, struct march *x) {
+    double time[SCREE_LANES], soon = pass->damped ? 1e-5 : 0.0;
+    memcpy(time, x->to.time, sizeof time);
+    for (int k = 0; k < padded(count); k++) x->to.time[k] *= soon;
+    pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, &x->to);
+    if (pass->damped) memcpy(x->to.holds[0], x->to.holds[1], sizeof x->to.holds[0]);
+    memcpy(x->to.time, time, sizeof time);
+}
+
+/* Nothing has been yielded yet. */
+static SCREE_INLINE void begin_tick(int rubs, int k, struct march *x) {
+    const struct vec none = {0.0, 0.0, 0.0};
+    x->to.press[k] = x->to.press_moment[k] = 0.0;
+    if (!rubs) return;
+    put(x->to.rub, k, none);
+    put(x->to.rub_moment, k, none);
+    put(x->to.deep, k, none);
+    put(x->to.s, k, get(x->c.s, k));
+    x->to.rubbed[k] = 0.0;
+}
+
+/* The step of all lanes by the clock of a root; `ends` as below. */
 static void tick(const struct smooth_pass *pass, int count, const int *ends, struct march *x) {
-    struct rk_step *to = &x->to;
     int pieces[SCREE_LANES], most = 0;
-    double time[SCREE_LANES];
     for (int k = 0; k < padded(count); k++) {
         pieces[k] = set_clock(pass, k, ends && ends[k], x);
         if (pieces[k] > most) most = pieces[k];
     }
-    memcpy(time, to->time, sizeof time);
-    double soon[SCREE_LANES]; /* at the very begin there are no forces to compare */
-    for (int k = 0; k < padded(count); k++) to->time[k] *= 1e-5;
-    if (pass->damped) pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, to);
-    memcpy(soon, to->holds[1], sizeof soon);
-    memset(to->time, 0, sizeof to->time); /* what is at the begin; nothing has been yielded */
-    pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, to);
-    if (pass->damped) memcpy(to->holds[0], soon, sizeof soon);
-    memcpy(to->time, time, sizeof time);
+    if (!ends) look_at_begin(pass, count, x);
+    if (pass->rubs)
+        SMOOTH_LOOP(begin_tick(1, k, x);)
+    else
+        SMOOTH_LOOP(begin_tick(0, k, x);)
     for (int piece = 0; piece < most; piece++) {
         for (int k = 0; k < padded(count); k++)
-            if (piece == pieces[k]) to->size[k] = 0.0;
-        pass->loops->tick(pass->rule, &x->m, count, pass->step, &x->c, to);
+            if (piece == pieces[k]) x->to.size[k] = 0.0;
+        pass->loops->tick(pass->rule, &x->m, count, pass->step, &x->c, &x->to);
     }
 }
 
-/* `ends`: lanes in which contact is to end with the step; NULL: none. */
+/* `ends`: lanes in which contact is to end with the step; NULL: none, and they haven't gone from where they are before.
+ */
 static void go(const struct smooth_pass *pass, int count, const int *ends, struct march *x) {
     if (x->by_clock)
         tick(pass, count, ends, x);
@@ -461,6 +481,14 @@ static void advance(const struct smooth_pass *pass, int count, struct march *x) 
     if (!goes_on || x->by_clock) go_past(pass, count, event, x);
 }
 
+/* Lanes that aren't at the end of the step yet. */
+static int lanes_left(int count, const struct march *x, int *lane) {
+    int left = 0;
+    for (int k = 0; k < count; k++)
+        if (x->c.rest[k] > 0.0) lane[left++] = k;
+    return left;
+}
+
 /* All lanes to the end of the step. */
 static void march_on(const struct smooth_pass *pass, int count, struct march *x) {
     struct march few;
@@ -474,10 +502,9 @@ static void march_on(const struct smooth_pass *pass, int count, struct march *x)
                 join(&few, lane, some, x);
             }
         }
+        if (!lanes_left(count, x, lane)) return;
         advance(pass, count, x);
-        some = 0;
-        for (int k = 0; k < count; k++)
-            if (x->c.rest[k] > 0.0) lane[some++] = k;
+        some = lanes_left(count, x, lane);
         if (!some) return;
         if (2 * some > count) continue;
         split_off(x, lane, some, &few);

@@ -58,15 +58,30 @@ static int all_stick(const struct course *c, int from) { return !any_of(c->slide
                                                             struct rk_step *to) {                                      \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
         const struct scree_rule constants = *rule;                                                                     \
+        struct smooth_laws sticking = laws;                                                                            \
+        sticking.all_stick = 1;                                                                                        \
         if (laws.none || laws.root < 2) return;                                                                        \
-        SMOOTH_LOOP(tick_lane(laws, &constants, m, k, step, c, to);)                                                   \
+        for (int from = 0; from < padded(count); from += WIDTH)                                                        \
+            if (laws.hold && all_stick(c, from))                                                                       \
+                SMOOTH_VECTOR(tick_lane(sticking, &constants, m, k, step, c, to);)                                     \
+            else                                                                                                       \
+                SMOOTH_VECTOR(tick_lane(laws, &constants, m, k, step, c, to);)                                         \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void smooth_store_##name(                                                          \
+        const struct scree_rule *rule, const struct lane_constants *m, int count, const double *overlap,               \
+        const double *closing, double *energy) {                                                                       \
+        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
+        const struct scree_rule constants = *rule;                                                                     \
+        if (laws.none) return;                                                                                         \
+        SMOOTH_LOOP(energy[k] = stored_at(laws, &constants, m, k, overlap[k], closing[k]);)                            \
     }
 
 /* What keeps numbers, reaches beyond the touch or changes its formula inside a contact isn't smooth. */
 #define SMOOTH_NOT(law) (law.memory || law.reach || law.bends)
 #define SMOOTH_ALONE(word)                                                                                             \
-    SMOOTH_PASS(word, .press = normal_##word##_force, .cut = scree_normal_##word.cut,                                  \
-                .root = scree_normal_##word.root, .none = SMOOTH_NOT(scree_normal_##word))
+    SMOOTH_PASS(word, .press = normal_##word##_force, .stored = scree_normal_##word.stored,                            \
+                .cut = scree_normal_##word.cut, .root = scree_normal_##word.root,                                      \
+                .none = SMOOTH_NOT(scree_normal_##word))
 SCREE_NORMAL_LAWS(SMOOTH_ALONE)
 
 /* Laws that go together get a pass; of others every contact is left to within.c. */
@@ -81,22 +96,23 @@ SCREE_NORMAL_LAWS(SMOOTH_ALONE)
     PAIR(tsuji_cut, mindlin)
 #define LARGER_ROOT(one, other) (one > other ? one : other)
 #define SMOOTH_TOGETHER(one, other, how, is_bare)                                                                      \
-    SMOOTH_PASS(one##_##other##how, .press = normal_##one##_force, .hold = other##_hold,                               \
-                .stiffness = scree_friction_##other.stiffness, .damping = scree_friction_##other.damping,              \
-                .cut = scree_normal_##one.cut,                                                                         \
+    SMOOTH_PASS(one##_##other##how, .press = normal_##one##_force, .stored = scree_normal_##one.stored,                \
+                .hold = other##_hold, .stiffness = scree_friction_##other.stiffness,                                   \
+                .damping = scree_friction_##other.damping, .cut = scree_normal_##one.cut,                              \
                 .root = LARGER_ROOT(scree_normal_##one.root, scree_friction_##other.root), .bare = is_bare)
 #define SMOOTH_BOTH(one, other) SMOOTH_TOGETHER(one, other, _bare, 1) SMOOTH_TOGETHER(one, other, _damped, 0)
 SMOOTH_PAIRS(SMOOTH_BOTH)
 
-#define ENTRY(word) {smooth_rates_##word, smooth_go_##word, smooth_tick_##word},
+#define ENTRY(word) {smooth_rates_##word, smooth_go_##word, smooth_tick_##word, smooth_store_##word},
 static const struct smooth_loops smooth_alone[] = {SCREE_NORMAL_LAWS(ENTRY)};
 #undef ENTRY
 #define ENTRY(one, other)                                                                                              \
     {NORMAL_##one,                                                                                                     \
      FRICTION_##other,                                                                                                 \
      {{smooth_rates_##one##_##other##_damped, smooth_go_##one##_##other##_damped,                                      \
-       smooth_tick_##one##_##other##_damped},                                                                          \
-      {smooth_rates_##one##_##other##_bare, smooth_go_##one##_##other##_bare, smooth_tick_##one##_##other##_bare}}},
+       smooth_tick_##one##_##other##_damped, smooth_store_##one##_##other##_damped},                                   \
+      {smooth_rates_##one##_##other##_bare, smooth_go_##one##_##other##_bare, smooth_tick_##one##_##other##_bare,      \
+       smooth_store_##one##_##other##_bare}}},
 static const struct {
     int normal, friction;
     struct smooth_loops loops[2]; /* with a dashpot; without */
@@ -205,26 +221,22 @@ static void drive_smooth(struct smooth_block *s, int count, double step, struct 
 #undef DRIVE
 }
 
-/* Energy in the normal direction that a contact gives back, J. */
-static double stored_at(const struct scree_rule *rule, const struct lane_constants *m, int k, double overlap,
-                        double closing) {
-    struct scree_pair_constants pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
-    struct scree_pressing at = scree_pressed(overlap, closing, 0.0, 0.0);
-    return overlap > 0.0 ? scree_normal_laws[rule->normal]->stored(&rule->normal_constants, pair, at) : 0.0;
-}
-
 /* What contacts have lost: the work done against them, which the motion tells (d'' = a - N/m), less what they have
  * stored by it. What is stored in an overlap whose force is over is lost by the time that it has gone. */
 static void book_losses(const struct smooth_pass *pass, struct smooth_block *s, int count, struct scree_yield *yield) {
     const struct course *c = &s->x.c;
     const struct lane_constants *m = &s->x.m;
-    for (int k = 0; pass->books && k < count; k++) {
-        double d = s->b.overlap[k], u = -vec_dot(get(s->b.rush, k), get(s->b.n, k));
+    double closing[SCREE_LANES] = {0.0}, before[SCREE_LANES] = {0.0}, after[SCREE_LANES] = {0.0};
+    if (!pass->books) return;
+    SMOOTH_LOOP(closing[k] = -vec_dot(get(s->b.rush, k), get(s->b.n, k));)
+    pass->loops->store(pass->rule, m, count, s->b.overlap, closing, before);
+    pass->loops->store(pass->rule, m, count, c->d, c->u, after);
+    SMOOTH_LOOP({
+        double d = s->b.overlap[k], u = closing[k];
         double work = (m->closing[k] * (c->d[k] - d) - 0.5 * (c->u[k] - u) * (c->u[k] + u)) / m->give[k];
-        double gain = stored_at(pass->rule, m, k, c->d[k], c->u[k]) - stored_at(pass->rule, m, k, d, u);
-        yield->lost.normal[k] = work - gain;
+        yield->lost.normal[k] = work - (after[k] - before[k]);
         yield->lost.tangential[k] = pass->rubs ? c->rubbed[k] : 0.0;
-    }
+    })
 }
 
 /* Depths, slopes, and levers. */
