@@ -27,10 +27,11 @@ static inline uint64_t scree_double_to_bits(double value) {
 /* 1.5 x 2^52: adding it to a double rounds that to the nearest integer and leaves the integer in the low bits. */
 #define SCREE_ROUNDER 0x1.8p52
 
-/* exp(x): x is cut to [-708, 709], where the result is a normal number. Cody & Waite 1980 reduction by
+/* exp(x): x is cut to [-700, 709], where the result is a normal number, and one still if it is multiplied by a
+ * thousandth: what is smaller takes processors a hundred times as long. Cody & Waite 1980 reduction by
  * multiples of ln 2, then the Taylor series, whose first dropped term is below 1e-17. */
 static inline double scree_exp(double x) {
-    x = x < -708.0 ? -708.0 : x;
+    x = x < -700.0 ? -700.0 : x;
     x = x > 709.0 ? 709.0 : x;
     double shifted = x * 0x1.71547652b82fep0 + SCREE_ROUNDER;
     double k = shifted - SCREE_ROUNDER;
@@ -56,11 +57,10 @@ static inline double scree_exp(double x) {
  * 2 artanh((m - 1)/(m + 1)), whose first dropped term is below 1e-18 relative. */
 static inline double scree_log(double x) {
     uint64_t bits = scree_double_to_bits(x);
-    int64_t exponent = (int64_t)(bits >> 52) - 1023;
+    double k = scree_bits_to_double((bits >> 52) | 0x4330000000000000u) - (0x1p52 + 1023.0);
     double m = scree_bits_to_double((bits & 0x000fffffffffffffu) | 0x3ff0000000000000u);
-    int high = m > 1.4142135623730951;
-    m = high ? 0.5 * m : m;
-    double k = (double)(exponent + high);
+    k = m > 1.4142135623730951 ? k + 1.0 : k;
+    m = m > 1.4142135623730951 ? 0.5 * m : m;
     double s = (m - 1.0) / (m + 1.0);
     double z = s * s;
     double p = 1.0 / 23.0;

@@ -52,8 +52,8 @@ static inline struct vec scree_bristle_rate(struct scree_sliding at, struct vec 
 }
 
 /* From deflection z over the step, at stiffness s_0 and saturation g, where the load bears a deflection of `most`. */
-static inline struct scree_bristle scree_bristle_path(struct scree_sliding at, struct vec z, double s0, double g,
-                                                      double most) {
+static SCREE_INLINE struct scree_bristle scree_bristle_path(struct scree_sliding at, struct vec z, double s0, double g,
+                                                            double most) {
     double x = scree_bristle_pace(at, s0, g) * at.half, way = at.half * scree_eased(x, scree_exp(-x));
     /* Written as steps towards v = a z, so that saturation is met to rounding however small the steps. */
     struct scree_bristle path = {.middle = vec_axpy(z, way, scree_bristle_rate(at, z, s0, g))};

@@ -33,6 +33,7 @@ static const struct scree_parameter stribeck_parameters[] = {
 static inline scree_status friction_stribeck_bake(const struct scree_values *values, struct scree_law_constants *law,
                                                   scree_trouble *trouble) {
     for (int k = 0; k < 6; k++) law->c[k] = values->v[k];
+    law->exponent = scree_exponent_of(law->c[STRIBECK_EXPONENT]);
     return scree_check_static(law->c[STRIBECK_STATIC], law->c[STRIBECK_KINETIC], trouble);
 }
 
@@ -40,10 +41,10 @@ static inline struct scree_tangential friction_stribeck_force(const struct scree
                                                               struct scree_pair_constants pair,
                                                               struct scree_sliding at) {
     (void)pair;
-    double speed = vec_norm(at.velocity), delta = law->c[STRIBECK_EXPONENT];
+    double speed = vec_norm(at.velocity);
     double w = speed / law->c[STRIBECK_SPEED], ramp = speed / law->c[STRIBECK_THRESHOLD];
     double drop = law->c[STRIBECK_STATIC] - law->c[STRIBECK_KINETIC];
-    double fall = scree_exp(-(delta == 2.0 ? w * w : scree_power(w, delta)));
+    double fall = scree_exp(-scree_power(w, law->c[STRIBECK_EXPONENT], law->exponent));
     double dry = (law->c[STRIBECK_KINETIC] + drop * fall) * (ramp < 1.0 ? ramp : 1.0);
     return scree_against(at, dry + law->c[STRIBECK_VISCOUS] * speed, speed);
 }
@@ -56,11 +57,11 @@ static const struct scree_friction_law scree_friction_stribeck = {
     .text = {.name = "stribeck",
              .formula = "mu = (mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)) min(v/v_th, 1) + f v",
              .source = "Stribeck, Z. VDI 46 (1902) 1341; Bo & Pavelescu, Wear 82 (1982) 277",
-             .note =
-                 "Creeps at rest: at about r v_th under a share r < 1 of mu_s. f v is a coefficient: the viscous "
-                 "force grows with the load. Its loop stays scalar: the power of the speed branches on its exponent.",
+             .note = "Creeps at rest: at about r v_th under a share r < 1 of mu_s. f v is a coefficient: the viscous "
+                     "force grows with the load.",
              .example = "static = 0.4, kinetic = 0.3, stribeck_speed = 2e-3, threshold = 3e-4, viscous = 2.0",
              .parameters = stribeck_parameters},
+    .raises = 1,
     .bake = friction_stribeck_bake,
     .force = friction_stribeck_force,
     .stored = scree_no_store,

@@ -76,17 +76,18 @@ static inline scree_status hysteresis_bake(const struct scree_values *values, st
     int calibrated = values->v[HYSTERESIS_GIVEN_CALIBRATED] > 0.0;
     law->c[HYSTERESIS_STIFFNESS] = values->v[HYSTERESIS_GIVEN_STIFFNESS];
     law->c[HYSTERESIS_EXPONENT] = values->v[HYSTERESIS_GIVEN_EXPONENT];
+    law->exponent = scree_exponent_of(law->c[HYSTERESIS_EXPONENT]);
     law->c[HYSTERESIS_FACTOR] = calibrated ? hunt_damping(e) : hysteresis_published(author, e);
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force hysteresis_force(const struct scree_law_constants *law,
-                                                         struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force hysteresis_force(const struct scree_law_constants *law,
+                                                               struct scree_pressing at) {
     int touching = at.overlap > 0.0;
     double d = touching ? at.overlap : 0.0;
     double fastest = at.closing > at.first ? at.closing : at.first;
     double impact = touching ? fastest : 0.0;
-    double spring = law->c[HYSTERESIS_STIFFNESS] * scree_power(d, law->c[HYSTERESIS_EXPONENT]);
+    double spring = law->c[HYSTERESIS_STIFFNESS] * scree_power(d, law->c[HYSTERESIS_EXPONENT], law->exponent);
     double damping = impact > 0.0 ? spring * law->c[HYSTERESIS_FACTOR] / (impact + SCREE_NO_SPEED) : 0.0;
     return (struct scree_normal_force){spring, damping, spring, impact, 0.0};
 }

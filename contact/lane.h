@@ -25,6 +25,7 @@ struct smooth_laws {
     at_overlap *stiffness, *damping;
     stored_law *stored; /* in the normal direction */
     int cut, root;
+    int raises;    /* of the normal law: takes a power whose exponent is a parameter */
     int bare;      /* the spring has no dashpot beside it */
     int all_stick; /* no slider of the loop slides: how one does isn't reckoned */
     int none;      /* there is no such pass */

@@ -61,9 +61,13 @@ struct scree_values {
     double v[SCREE_PARAMETERS];
 };
 
+/* Exponents of a power. */
+enum scree_exponent { SCREE_ANY_EXPONENT, SCREE_ONE, SCREE_ONE_AND_HALF, SCREE_TWO };
+
 /* Constants of a law for one pair of materials, made once from the parameters. */
 struct scree_law_constants {
     double c[SCREE_LAW_CONSTANTS];
+    enum scree_exponent exponent;          /* of a law that `raises` */
     const struct scree_force_table *table; /* of the law "table"; belongs to the rule */
 };
 
@@ -118,6 +122,7 @@ struct scree_normal_law {
     int memory;         /* keeps numbers of the contact */
     int turns_smoothly; /* one formula holds while bodies approach and part */
     int takes_roots;    /* takes scree_roots */
+    int raises;         /* takes a power whose exponent is a parameter; `bake` says which (scree_exponent_of) */
     int root; /* the dashpot sets in like this root of the overlap (4, 2); 0: like a whole power, or at once */
     /* Check what ranges can't say and compute the law's constants. `values` are within their ranges. */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
@@ -178,6 +183,7 @@ struct scree_friction_law {
     int in_force;    /* of a slider: what is kept isn't the stretch but the force of its spring, N */
     int rescaled;    /* of such a force: it falls with the stiffness, sqrt(d), while the overlap does */
     int takes_roots; /* `grip` takes scree_roots */
+    int raises;      /* as of a normal law */
     int root;        /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
@@ -288,12 +294,35 @@ static inline double scree_zero(const struct scree_law_constants *law) {
     return 0.0;
 }
 
+static inline enum scree_exponent scree_exponent_of(double p) {
+    return p == 1.0 ? SCREE_ONE : p == 1.5 ? SCREE_ONE_AND_HALF : p == 2.0 ? SCREE_TWO : SCREE_ANY_EXPONENT;
+}
+
 /* x^p for x >= 0; the exponents that laws use most take the short way. */
-static inline double scree_power(double x, double p) {
-    if (p == 1.0) return x;
-    if (p == 1.5) return x * sqrt(x);
+static SCREE_INLINE double scree_power(double x, double p, enum scree_exponent exponent) {
+    if (exponent == SCREE_ONE) return x;
+    if (exponent == SCREE_ONE_AND_HALF) return x * sqrt(x);
+    if (exponent == SCREE_TWO) return x * x;
     return scree_pow(x, p);
 }
+
+/* A loop over contacts with the constants of a law, a copy whose exponent is made known to the compiler: a choice
+ * inside the loop would keep it from making vectors. */
+#define SCREE_FOR_EXPONENT(raises, constants, ...)                                                                     \
+    switch ((raises) ? (constants).exponent : SCREE_ANY_EXPONENT) {                                                    \
+    case SCREE_ONE:                                                                                                    \
+        (constants).exponent = SCREE_ONE;                                                                              \
+        __VA_ARGS__ break;                                                                                             \
+    case SCREE_ONE_AND_HALF:                                                                                           \
+        (constants).exponent = SCREE_ONE_AND_HALF;                                                                     \
+        __VA_ARGS__ break;                                                                                             \
+    case SCREE_TWO:                                                                                                    \
+        (constants).exponent = SCREE_TWO;                                                                              \
+        __VA_ARGS__ break;                                                                                             \
+    default:                                                                                                           \
+        (constants).exponent = SCREE_ANY_EXPONENT;                                                                     \
+        __VA_ARGS__ break;                                                                                             \
+    }
 
 /* Whether `x` lies between two numbers. */
 static inline int scree_between(double one, double other, double x) { return (one < x) != (other < x); }

@@ -27,6 +27,7 @@ static inline void matched_bake(const struct scree_values *values, struct scree_
     double alpha = values->v[MATCHED_GIVEN_ALPHA], root = sqrt(2.0 * (values->v[MATCHED_GIVEN_EXPONENT] + 1.0));
     law->c[MATCHED_STIFFNESS] = values->v[MATCHED_GIVEN_STIFFNESS];
     law->c[MATCHED_EXPONENT] = values->v[MATCHED_GIVEN_EXPONENT];
+    law->exponent = scree_exponent_of(law->c[MATCHED_EXPONENT]);
     law->c[MATCHED_ALPHA] = isnan(alpha) ? zeta * root : alpha;
     law->c[MATCHED_ZETA] = isnan(alpha) ? zeta : alpha / root;
 }
@@ -37,20 +38,20 @@ static inline struct scree_pair_constants matched_pair(const struct scree_law_co
     return (struct scree_pair_constants){{law->c[MATCHED_ALPHA] * sqrt(mass * law->c[MATCHED_STIFFNESS])}};
 }
 
-static inline struct scree_normal_force matched_force(const struct scree_law_constants *law,
-                                                      struct scree_pair_constants pair, struct scree_pressing at) {
-    double d = at.overlap > 0.0 ? at.overlap : 0.0, power = scree_power(d, law->c[MATCHED_EXPONENT]);
+static SCREE_INLINE struct scree_normal_force
+matched_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
+    double d = at.overlap > 0.0 ? at.overlap : 0.0, power = scree_power(d, law->c[MATCHED_EXPONENT], law->exponent);
     double spring = law->c[MATCHED_STIFFNESS] * power;
     /* d^((p-1)/2) = sqrt(d^p/d), 1 at d = 0 for p = 1 and 0 otherwise. */
-    double root = law->c[MATCHED_EXPONENT] == 1.0 ? 1.0 : sqrt(power / (d + SCREE_NO_SPEED));
+    double root = law->exponent == SCREE_ONE ? 1.0 : sqrt(power / (d + SCREE_NO_SPEED));
     return (struct scree_normal_force){spring, pair.c[MATCHED_DAMPING] * root, spring, 0.0, 0.0};
 }
 
-static inline double matched_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                    struct scree_pressing at) {
+static SCREE_INLINE double matched_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                          struct scree_pressing at) {
     (void)pair;
     double d = at.overlap > 0.0 ? at.overlap : 0.0, p = law->c[MATCHED_EXPONENT];
-    return law->c[MATCHED_STIFFNESS] * d * scree_power(d, p) / (p + 1.0);
+    return law->c[MATCHED_STIFFNESS] * d * scree_power(d, p, law->exponent) / (p + 1.0);
 }
 
 #endif

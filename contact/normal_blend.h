@@ -32,24 +32,25 @@ static inline scree_status normal_blend_bake(const struct scree_values *values, 
                                              scree_trouble *trouble) {
     (void)trouble;
     for (int k = 0; k < 4; k++) law->c[k] = values->v[k];
+    law->exponent = scree_exponent_of(law->c[BLEND_EXPONENT]);
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_blend_force(const struct scree_law_constants *law,
-                                                           struct scree_pair_constants pair, struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force
+normal_blend_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)pair;
     double touching = at.overlap > 0.0 ? at.overlap : 0.0;
-    double spring = law->c[BLEND_STIFFNESS] * scree_power(touching, law->c[BLEND_EXPONENT]);
+    double spring = law->c[BLEND_STIFFNESS] * scree_power(touching, law->c[BLEND_EXPONENT], law->exponent);
     double dashpot = law->c[BLEND_DAMPING] * scree_step(at.overlap / law->c[BLEND_FULL]);
     double approaching = at.closing > 0.0 ? 1.0 : 0.0;
     return (struct scree_normal_force){spring, approaching * dashpot, spring, 0.0, 0.0};
 }
 
-static inline double normal_blend_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                         struct scree_pressing at) {
+static SCREE_INLINE double normal_blend_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                               struct scree_pressing at) {
     (void)pair;
     double p = law->c[BLEND_EXPONENT];
-    return law->c[BLEND_STIFFNESS] * at.overlap * scree_power(at.overlap, p) / (p + 1.0);
+    return law->c[BLEND_STIFFNESS] * at.overlap * scree_power(at.overlap, p, law->exponent) / (p + 1.0);
 }
 
 /* Where the dashpot has come in fully. */
@@ -63,13 +64,13 @@ static const struct scree_normal_law scree_normal_blend = {
     .text = {.name = "blend",
              .formula = "F = k d^p + c max(u, 0) S(d/d_full), S(w) = 3 w^2 - 2 w^3",
              .source = "Troll et al., Adv. Mech. Eng. (2018), doi 10.1177/1687814018754953",
-             .note = "Continuous at first touch; damped while approaching only; never pulls. Restitution "
-                     "falls with impact "
-                     "speed while the overlap stays below d_full; it has no closed form, so the damping must "
-                     "be given. Its loop stays scalar: the power of the overlap branches on its exponent.",
+             .note =
+                 "Continuous at first touch; damped while approaching only; never pulls. Restitution falls with impact "
+                 "speed while the overlap stays below d_full; it has no closed form, so the damping must be given.",
              .example = "stiffness = 1e5, damping = 65.4, full = 2e-4",
              .parameters = blend_parameters},
     .cut = 0,
+    .raises = 1,
     .bake = normal_blend_bake,
     .pair = scree_any_pair,
     .force = normal_blend_force,

@@ -35,12 +35,12 @@ static const struct scree_normal_law scree_normal_hu_guo = {
              .source = "Hu & Guo, Multibody Syst. Dyn. 35 (2015) 131",
              .note = "v0 is the largest closing speed since the touch, of an impact its speed, so the restitution is "
                      "the same at every speed: D (1+e') = ln((1+D)/(1-D e')), which is not e but near e = 1; "
-                     "calibrated = 1 takes the D that delivers e. Never pulls while it acts as on an impact. Its loop "
-                     "stays scalar: the power of the overlap branches on its exponent.",
+                     "calibrated = 1 takes the D that delivers e. Never pulls while it acts as on an impact.",
              .parameters = hysteresis_parameters,
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,
     .memory = 1,
+    .raises = 1,
     .bake = normal_hu_guo_bake,
     .pair = scree_any_pair,
     .force = normal_hu_guo_force,

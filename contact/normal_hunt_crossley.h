@@ -69,25 +69,26 @@ static inline scree_status normal_hunt_crossley_bake(const struct scree_values *
         return scree_report(trouble, SCREE_BAD_INPUT, "speed", "`speed` goes with `restitution`, not with `factor`");
     law->c[HUNT_STIFFNESS] = values->v[HUNT_GIVEN_STIFFNESS];
     law->c[HUNT_EXPONENT] = values->v[HUNT_GIVEN_EXPONENT];
+    law->exponent = scree_exponent_of(law->c[HUNT_EXPONENT]);
     law->c[HUNT_FACTOR] = values->v[HUNT_GIVEN_FACTOR];
     if (wanted) law->c[HUNT_FACTOR] = hunt_damping(e) / speed;
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_hunt_crossley_force(const struct scree_law_constants *law,
-                                                                   struct scree_pair_constants pair,
-                                                                   struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_hunt_crossley_force(const struct scree_law_constants *law,
+                                                                         struct scree_pair_constants pair,
+                                                                         struct scree_pressing at) {
     (void)pair;
     double touching = at.overlap > 0.0 ? at.overlap : 0.0;
-    double spring = law->c[HUNT_STIFFNESS] * scree_power(touching, law->c[HUNT_EXPONENT]);
+    double spring = law->c[HUNT_STIFFNESS] * scree_power(touching, law->c[HUNT_EXPONENT], law->exponent);
     return (struct scree_normal_force){spring, spring * law->c[HUNT_FACTOR], spring, 0.0, 0.0};
 }
 
-static inline double normal_hunt_crossley_stored(const struct scree_law_constants *law,
-                                                 struct scree_pair_constants pair, struct scree_pressing at) {
+static SCREE_INLINE double normal_hunt_crossley_stored(const struct scree_law_constants *law,
+                                                       struct scree_pair_constants pair, struct scree_pressing at) {
     (void)pair;
     double n = law->c[HUNT_EXPONENT];
-    return law->c[HUNT_STIFFNESS] * at.overlap * scree_power(at.overlap, n) / (n + 1.0);
+    return law->c[HUNT_STIFFNESS] * at.overlap * scree_power(at.overlap, n, law->exponent) / (n + 1.0);
 }
 
 /* Inverse of the relation above, the restitution of D = c v_i: w = c v_o solves w + ln(1 - w) = ln(1 + D) - D with
@@ -117,14 +118,13 @@ static const struct scree_normal_law scree_normal_hunt_crossley = {
     .text = {.name = "hunt-crossley",
              .formula = "F = k d^n (1 + c u)",
              .source = "Hunt & Crossley, J. Appl. Mech. 42 (1975) 440",
-             .note = "Restitution falls with impact speed v: c v (1+e) = ln((1+c v)/(1-c e v)), whatever n "
-                     "and the masses. "
-                     "Never pulls while it acts as on an impact. Its loop stays scalar: the power of the overlap "
-                     "branches on its exponent.",
+             .note = "Restitution falls with impact speed v: c v (1+e) = ln((1+c v)/(1-c e v)), whatever n and the "
+                     "masses. Never pulls while it acts as on an impact.",
              .example = "stiffness = 5e6, restitution = 0.5, speed = 1.0",
              .parameters = hunt_parameters},
     .cut = 1,
     .turns_smoothly = 1,
+    .raises = 1,
     .bake = normal_hunt_crossley_bake,
     .pair = scree_any_pair,
     .force = normal_hunt_crossley_force,

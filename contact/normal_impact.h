@@ -6,11 +6,11 @@
 
 #include "contact/normal_blend.h"
 
-static inline struct scree_normal_force
+static SCREE_INLINE struct scree_normal_force
 normal_impact_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)pair;
     double touching = at.overlap > 0.0 ? at.overlap : 0.0;
-    double spring = law->c[BLEND_STIFFNESS] * scree_power(touching, law->c[BLEND_EXPONENT]);
+    double spring = law->c[BLEND_STIFFNESS] * scree_power(touching, law->c[BLEND_EXPONENT], law->exponent);
     double dashpot = law->c[BLEND_DAMPING] * scree_step(at.overlap / law->c[BLEND_FULL]);
     return (struct scree_normal_force){spring, dashpot, spring, 0.0, 0.0};
 }
@@ -19,13 +19,12 @@ static const struct scree_normal_law scree_normal_impact = {
     .text = {.name = "impact",
              .formula = "F = max(0, k d^p + c u S(d/d_full)), S(w) = 3 w^2 - 2 w^3",
              .source = "MSC Adams/Solver, functions IMPACT and STEP",
-             .note = "Continuous at first touch; damped both ways; never pulls. Restitution depends on "
-                     "impact speed and has no "
-                     "closed form, so the damping must be given. Its loop stays scalar: the power of the overlap "
-                     "branches on its exponent.",
+             .note = "Continuous at first touch; damped both ways; never pulls. Restitution depends on impact speed "
+                     "and has no closed form, so the damping must be given.",
              .example = "stiffness = 1e5, exponent = 1.0, damping = 30.0, full = 2e-4",
              .parameters = blend_parameters},
     .cut = 1,
+    .raises = 1,
     .bake = normal_blend_bake,
     .pair = scree_any_pair,
     .force = normal_impact_force,

@@ -42,8 +42,8 @@ static inline double jkr_beyond(double depth) {
     return t;
 }
 
-static inline double jkr_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                struct scree_pressing at) {
+static SCREE_INLINE double jkr_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                      struct scree_pressing at) {
     (void)law;
     if (!(at.overlap > 0.0 || at.second > 0.0)) return 0.0;
     double x = 1.0 + jkr_beyond(at.overlap / pair.c[JKR_LENGTH]), cube = x * x * x, fourth = cube * x;
@@ -70,8 +70,8 @@ static inline scree_status normal_jkr_bake(const struct scree_values *values, st
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_jkr_force(const struct scree_law_constants *law,
-                                                         struct scree_pair_constants pair, struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force
+normal_jkr_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)law;
     int attached = at.overlap > 0.0 || (at.second > 0.0 && at.overlap >= -3.0 * pair.c[JKR_LENGTH]);
     double x = 1.0 + jkr_beyond(at.overlap / pair.c[JKR_LENGTH]), cube = x * x * x;

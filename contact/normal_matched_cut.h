@@ -15,9 +15,9 @@ static inline scree_status normal_matched_cut_bake(const struct scree_values *va
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_matched_cut_force(const struct scree_law_constants *law,
-                                                                 struct scree_pair_constants pair,
-                                                                 struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_matched_cut_force(const struct scree_law_constants *law,
+                                                                       struct scree_pair_constants pair,
+                                                                       struct scree_pressing at) {
     return matched_force(law, pair, at);
 }
 
@@ -34,13 +34,13 @@ static const struct scree_normal_law scree_normal_matched_cut = {
              .formula = "F = max(0, k d^p + alpha sqrt(m k) d^((p-1)/2) u)",
              .source = "Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239, for any exponent",
              .note = "Never pulls. Restitution is the same at every speed: e = exp(-2 zeta "
-                     "arccos(zeta)/sqrt(1-zeta^2)), zeta = alpha/sqrt(2 (p+1)); any 0 < e <= 1 can be had. Its loop "
-                     "stays scalar: the power of the overlap branches on its exponent.",
+                     "arccos(zeta)/sqrt(1-zeta^2)), zeta = alpha/sqrt(2 (p+1)); any 0 < e <= 1 can be had.",
              .parameters = matched_parameters,
              .example = "stiffness = 1e7, exponent = 2.0, restitution = 0.5"},
     .cut = 1,
     .root = 4,
     .turns_smoothly = 1,
+    .raises = 1,
     .bake = normal_matched_cut_bake,
     .pair = matched_pair,
     .force = normal_matched_cut_force,

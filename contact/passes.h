@@ -35,8 +35,8 @@ static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
  * up, not compared again: a second comparison would make a branch of the law, and no vector. Where a law that never
  * pulls has let go, contact is over: what friction and rolling have kept is forgotten. */
 #define NORMAL_PASS(word)                                                                                              \
-    static inline void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,           \
-                                        const double *const *pair, double *const *kept, double step) {                 \
+    static SCREE_INLINE void normal_at_##word(struct block *b, int k, const struct scree_law_constants *constants,     \
+                                              const double *const *pair, double *const *kept, double step) {           \
         double *const *own = kept + SCREE_KEPT_NORMAL;                                                                 \
         struct scree_pair_constants of_pair = {{pair[0][k], pair[1][k], pair[2][k], pair[3][k]}};                      \
         struct scree_pressing at = scree_pressed(b->overlap[k], b->closing[k], 0.0, 0.0);                              \
@@ -69,8 +69,9 @@ static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
     static void normal_pass_##word(struct block *b, int count, const struct scree_law_constants *law,                  \
                                    const double *const *pair, double *const *kept, double step) {                      \
         struct scree_law_constants constants = *law;                                                                   \
-        _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) normal_at_##word(b, k, &constants, pair, kept, step);                  \
+        SCREE_FOR_EXPONENT(scree_normal_##word.raises, constants,                                                      \
+                           _Pragma("omp simd") for (int k = 0; k < padded(count); k++)                                 \
+                               normal_at_##word(b, k, &constants, pair, kept, step);)                                  \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
 
@@ -138,8 +139,9 @@ static inline void put_slider(struct block *b, int k, struct scree_slider slider
             for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half, 1);         \
             return;                                                                                                    \
         }                                                                                                              \
-        _Pragma("omp simd")                                                                                            \
-        for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half, 0);             \
+        SCREE_FOR_EXPONENT(own->raises, constants,                                                                     \
+                           _Pragma("omp simd") for (int k = 0; k < padded(count); k++)                                 \
+                               friction_at_##word(b, k, &constants, pair, kept, half, 0);)                             \
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
 

@@ -28,60 +28,65 @@ static int any_of(const double column[SCREE_LANES], int from) {
 /* Whether no slider of a vector of lanes slides, so that how one does needn't be reckoned: most stick in a bed. */
 static int all_stick(const struct course *c, int from) { return !any_of(c->slides, from); }
 
+/* The loops of laws that go together. Those that go on have one for lanes whose sliders all stick. */
 #define SMOOTH_PASS(name, ...)                                                                                         \
     __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, double step, \
                                                              int asked, int count, struct course *c,                   \
                                                              struct lane_constants *m) {                               \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
-        if (laws.none) return;                                                                                         \
+        struct scree_rule own = *rule;                                                                                 \
         double deeper[SCREE_LANES];                                                                                    \
-        SMOOTH_LOOP(deeper[k] = rate_lane(laws, rule, slope, step, asked, 0, k, c, m);)                                \
-        for (int from = 0; from < padded(count); from += WIDTH)                                                        \
-            if (any_of(deeper, from)) SMOOTH_VECTOR(rate_lane(laws, rule, slope, step, asked, 1, k, c, m);)            \
+        if (laws.none) return;                                                                                         \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
+            SMOOTH_LOOP(deeper[k] = rate_lane(laws, &own, slope, step, asked, 0, k, c, m);)                            \
+            for (int from = 0; from < padded(count); from += WIDTH)                                                    \
+                if (any_of(deeper, from)) SMOOTH_VECTOR(rate_lane(laws, &own, slope, step, asked, 1, k, c, m);)        \
+        })                                                                                                             \
     }                                                                                                                  \
     __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct lane_constants *m,     \
                                                           int count, double step, struct course *c,                    \
                                                           struct rk_step *to) {                                        \
-        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
-        const struct scree_rule constants = *rule;                                                                     \
-        struct smooth_laws sticking = laws;                                                                            \
-        sticking.all_stick = 1;                                                                                        \
+        const struct smooth_laws laws = {__VA_ARGS__}, sticking = {__VA_ARGS__, .all_stick = 1};                       \
+        struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
-        for (int from = 0; from < padded(count); from += WIDTH)                                                        \
-            if (laws.hold && all_stick(c, from))                                                                       \
-                SMOOTH_VECTOR(step_lane(sticking, &constants, m, k, step, c, to);)                                     \
-            else                                                                                                       \
-                SMOOTH_VECTOR(step_lane(laws, &constants, m, k, step, c, to);)                                         \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
+            for (int from = 0; from < padded(count); from += WIDTH)                                                    \
+                if (laws.hold && all_stick(c, from))                                                                   \
+                    SMOOTH_VECTOR(step_lane(sticking, &own, m, k, step, c, to);)                                       \
+                else                                                                                                   \
+                    SMOOTH_VECTOR(step_lane(laws, &own, m, k, step, c, to);)                                           \
+        })                                                                                                             \
     }                                                                                                                  \
     __attribute__((flatten)) static void smooth_tick_##name(const struct scree_rule *rule, struct lane_constants *m,   \
                                                             int count, double step, struct course *c,                  \
                                                             struct rk_step *to) {                                      \
-        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
-        const struct scree_rule constants = *rule;                                                                     \
-        struct smooth_laws sticking = laws;                                                                            \
-        sticking.all_stick = 1;                                                                                        \
+        const struct smooth_laws laws = {__VA_ARGS__}, sticking = {__VA_ARGS__, .all_stick = 1};                       \
+        struct scree_rule own = *rule;                                                                                 \
         if (laws.none || laws.root < 2) return;                                                                        \
-        for (int from = 0; from < padded(count); from += WIDTH)                                                        \
-            if (laws.hold && all_stick(c, from))                                                                       \
-                SMOOTH_VECTOR(tick_lane(sticking, &constants, m, k, step, c, to);)                                     \
-            else                                                                                                       \
-                SMOOTH_VECTOR(tick_lane(laws, &constants, m, k, step, c, to);)                                         \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
+            for (int from = 0; from < padded(count); from += WIDTH)                                                    \
+                if (laws.hold && all_stick(c, from))                                                                   \
+                    SMOOTH_VECTOR(tick_lane(sticking, &own, m, k, step, c, to);)                                       \
+                else                                                                                                   \
+                    SMOOTH_VECTOR(tick_lane(laws, &own, m, k, step, c, to);)                                           \
+        })                                                                                                             \
     }                                                                                                                  \
     __attribute__((flatten)) static void smooth_store_##name(                                                          \
         const struct scree_rule *rule, const struct lane_constants *m, int count, const double *overlap,               \
         const double *closing, double *energy) {                                                                       \
         const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
-        const struct scree_rule constants = *rule;                                                                     \
+        struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
-        SMOOTH_LOOP(energy[k] = stored_at(laws, &constants, m, k, overlap[k], closing[k]);)                            \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants,                                                          \
+                           SMOOTH_LOOP(energy[k] = stored_at(laws, &own, m, k, overlap[k], closing[k]);))              \
     }
 
 /* What keeps numbers, reaches beyond the touch or changes its formula inside a contact isn't smooth. */
 #define SMOOTH_NOT(law) (law.memory || law.reach || law.bends)
 #define SMOOTH_ALONE(word)                                                                                             \
     SMOOTH_PASS(word, .press = normal_##word##_force, .stored = scree_normal_##word.stored,                            \
-                .cut = scree_normal_##word.cut, .root = scree_normal_##word.root,                                      \
-                .none = SMOOTH_NOT(scree_normal_##word))
+                .raises = scree_normal_##word.raises, .cut = scree_normal_##word.cut,                                  \
+                .root = scree_normal_##word.root, .none = SMOOTH_NOT(scree_normal_##word))
 SCREE_NORMAL_LAWS(SMOOTH_ALONE)
 
 /* Laws that go together get a pass; of others every contact is left to within.c. */
@@ -97,8 +102,9 @@ SCREE_NORMAL_LAWS(SMOOTH_ALONE)
 #define LARGER_ROOT(one, other) (one > other ? one : other)
 #define SMOOTH_TOGETHER(one, other, how, is_bare)                                                                      \
     SMOOTH_PASS(one##_##other##how, .press = normal_##one##_force, .stored = scree_normal_##one.stored,                \
-                .hold = other##_hold, .stiffness = scree_friction_##other.stiffness,                                   \
-                .damping = scree_friction_##other.damping, .cut = scree_normal_##one.cut,                              \
+                .raises = scree_normal_##one.raises, .hold = other##_hold,                                             \
+                .stiffness = scree_friction_##other.stiffness, .damping = scree_friction_##other.damping,              \
+                .cut = scree_normal_##one.cut,                                                                         \
                 .root = LARGER_ROOT(scree_normal_##one.root, scree_friction_##other.root), .bare = is_bare)
 #define SMOOTH_BOTH(one, other) SMOOTH_TOGETHER(one, other, _bare, 1) SMOOTH_TOGETHER(one, other, _damped, 0)
 SMOOTH_PAIRS(SMOOTH_BOTH)
