@@ -18,17 +18,24 @@ typedef double stored_law(const struct scree_law_constants *law, struct scree_pa
                           struct scree_pressing at);
 typedef double at_overlap(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 
-/* The laws of a pass: constants where it is called, so that each pass is a loop of its own. */
-struct smooth_laws {
+/* The laws of a loop: constants where it is called, so that each is a loop of its own. What a normal law makes of a
+ * step doesn't depend on friction, so each of the two has its loop, friction's behind the other one's: every normal law
+ * goes with every friction law, and none is compiled for a pair of them. */
+struct smooth_normal {
     press_law *press;
-    hold_law *hold; /* friction is a slider behind a spring and a dashpot (slider.h); NULL: there is none */
+    stored_law *stored;
+    int cut;
+    int raises; /* takes a power whose exponent is a parameter */
+    int none;   /* it isn't smooth */
+};
+
+/* Friction is a slider behind a spring and a dashpot (slider.h). */
+struct smooth_friction {
+    hold_law *hold;
     at_overlap *stiffness, *damping;
-    stored_law *stored; /* in the normal direction */
-    int cut, root;
-    int raises;    /* of the normal law: takes a power whose exponent is a parameter */
     int bare;      /* the spring has no dashpot beside it */
     int all_stick; /* no slider of the loop slides: how one does isn't reckoned */
-    int none;      /* there is no such pass */
+    int none;
 };
 
 /* Columns of what stays during a step. */
@@ -81,52 +88,141 @@ struct rk_step {
     double offset[SCREE_LANES], span[SCREE_LANES], sigma[SCREE_LANES], size[SCREE_LANES];
 };
 
-/* ---- one step of Runge and Kutta ---- */
+/* Columns of the instants of a step: its four stages and its end, then one soon behind its begin and one behind its
+ * end; as the normal law makes them, which is done before friction is. */
+enum { STAGES = 5, SOON = STAGES, INSTANTS = STAGES + 2 };
+struct squeezes {
+    double d[INSTANTS][SCREE_LANES], u[INSTANTS][SCREE_LANES], normal[INSTANTS][SCREE_LANES]; /* m, m/s, N */
+    /* Of a step by the clock of a root: since its begin, s, and the time that its step would take at the pace of the
+     * stage, s. */
+    double since[STAGES][SCREE_LANES], along[STAGES][SCREE_LANES];
+};
+
+/* Before the step: what of the normal law friction adds to. */
+struct softness {
+    double d[SCREE_LANES], deep[SCREE_LANES];       /* overlap at the start, and at most, m */
+    double force[SCREE_LANES], most[SCREE_LANES];   /* at the start, and at most but for damping, N */
+    double stiff[SCREE_LANES], damped[SCREE_LANES]; /* 1/s^2, 1/s */
+};
+
+/* ---- along the normal ---- */
+
+/* An instant inside the step. */
+struct squeeze {
+    double d, u, normal, damping;
+};
+
+static SCREE_INLINE struct scree_normal_force press_at(struct smooth_normal laws, const struct scree_rule *rule,
+                                                       const struct lane_constants *m, int k, double d, double u) {
+    struct scree_pair_constants pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
+    return laws.press(&rule->normal_constants, pair, scree_pressed(d, u, 0.0, 0.0));
+}
+
+static SCREE_INLINE struct squeeze squeeze_at(struct smooth_normal laws, const struct scree_rule *rule,
+                                              const struct lane_constants *m, int k, double d, double u) {
+    struct scree_normal_force f = press_at(laws, rule, m, k, d, u);
+    return (struct squeeze){d, u, f.elastic + f.damping * u, f.damping};
+}
+
+/* Where the rates of `at` lead in that time from the first stage. */
+static SCREE_INLINE struct squeeze squeeze_on(struct smooth_normal laws, const struct scree_rule *rule,
+                                              const struct lane_constants *m, int k, const struct squeeze *first,
+                                              const struct squeeze *at, double time) {
+    double d = first->d + time * at->u, u = first->u + time * (m->closing[k] - m->give[k] * at->normal);
+    return squeeze_at(laws, rule, m, k, d, u);
+}
+
+static SCREE_INLINE void put_squeeze(const struct squeeze *at, int i, int k, struct squeezes *to) {
+    to->d[i][k] = at->d;
+    to->u[i][k] = at->u;
+    to->normal[i][k] = at->normal;
+}
+
+/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than
+ * the force: k d/c + u has no root of d in it. */
+static SCREE_INLINE double lasts_at(int cut, double give, double step, const struct squeeze *at) {
+    if (!cut) return at->d;
+    double beyond = at->u < 0.0 ? at->u : at->d / step, within = at->normal / (at->damping + 1e-6 / (give * step));
+    return at->d > 0.0 ? within : beyond;
+}
+
+/* So much of the step later the load on a slider is asked for once more. */
+static const double so_soon = 1e-5;
+
+static SCREE_INLINE void squeeze_soon(struct smooth_normal laws, const struct scree_rule *rule,
+                                      const struct lane_constants *m, int k, double step, const struct squeeze *at,
+                                      int i, struct squeezes *to) {
+    struct squeeze next = squeeze_on(laws, rule, m, k, at, at, so_soon * step);
+    put_squeeze(&next, i, k, to);
+}
+
+/* One lane goes on by its time. `soon`: friction asks what comes behind its begin and its end. */
+static SCREE_INLINE void squeeze_step(struct smooth_normal laws, const struct scree_rule *rule,
+                                      const struct lane_constants *m, int k, double step, int soon,
+                                      const struct course *c, struct rk_step *to, struct squeezes *by) {
+    double time = to->time[k], share = time * (1.0 / 6.0);
+    struct squeeze first = squeeze_at(laws, rule, m, k, c->d[k], c->u[k]);
+    struct squeeze second = squeeze_on(laws, rule, m, k, &first, &first, 0.5 * time);
+    struct squeeze third = squeeze_on(laws, rule, m, k, &first, &second, 0.5 * time);
+    struct squeeze fourth = squeeze_on(laws, rule, m, k, &first, &third, time);
+    double inner = second.normal + third.normal;
+    double impulse = share * ((first.normal + fourth.normal) + 2.0 * inner);
+    double moment = share * time * (first.normal + inner);
+    double u = first.u + (time * m->closing[k] - m->give[k] * impulse);
+    double d = first.d + (time * first.u + (0.5 * time * time * m->closing[k] - m->give[k] * moment));
+    struct squeeze end = squeeze_at(laws, rule, m, k, d, u);
+    to->press[k] = impulse;
+    to->press_moment[k] = moment;
+    to->d[k] = d;
+    to->u[k] = u;
+    to->lasts[0][k] = lasts_at(laws.cut, m->give[k], step, &first);
+    to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &end);
+    to->turns[0][k] = first.u;
+    to->turns[1][k] = u;
+    to->holds[0][k] = to->holds[1][k] = 1.0;
+    to->coarse[k] = 0.0;
+    put_squeeze(&first, 0, k, by);
+    put_squeeze(&second, 1, k, by);
+    put_squeeze(&third, 2, k, by);
+    put_squeeze(&fourth, 3, k, by);
+    put_squeeze(&end, 4, k, by);
+    if (!soon) return;
+    squeeze_soon(laws, rule, m, k, step, &first, SOON, by);
+    squeeze_soon(laws, rule, m, k, step, &end, SOON + 1, by);
+}
+
+/* ---- across it ---- */
 
 /* An instant inside the step. */
 struct stage {
-    double d, u, normal, damping;
+    double d, u, normal;
     struct vec v, q, s, force;
     struct vec slip; /* v + (d - start) q */
     double slides;
-    double stiffness, drag, limit; /* of spring and dashpot, N/m, N s/m; with which the slider slides, N */
+    double stiffness, drag; /* of spring and dashpot, N/m, N s/m */
+    double limit, holds;    /* with which the slider slides, and what it holds, N */
 };
-
-static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at) {
-    return (struct scree_sliding){.normal = at->normal > 0.0 ? at->normal : 0.0,
-                                  .overlap = at->d,
-                                  .closing = at->u,
-                                  .velocity = at->slip,
-                                  .stretch = at->s,
-                                  .sliding = at->slides};
-}
-
-/* One lane's laws with their constants. */
-struct smooth_lane {
-    const struct scree_law_constants *normal, *friction;
-    struct scree_pair_constants normal_pair, friction_pair;
-};
-
-static SCREE_INLINE struct smooth_lane lane_of(const struct scree_rule *rule, const struct lane_constants *m, int k) {
-    return (struct smooth_lane){
-        .normal = &rule->normal_constants,
-        .friction = &rule->friction_constants,
-        .normal_pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}},
-        .friction_pair = {{m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}}};
-}
-
-static SCREE_INLINE void press_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    struct scree_pressing pressing = scree_pressed(at->d, at->u, 0.0, 0.0);
-    struct scree_normal_force f = laws.press(lane->normal, lane->normal_pair, pressing);
-    at->normal = f.elastic + f.damping * at->u;
-    at->damping = f.damping;
-}
 
 /* What friction is made of at a stage whose overlap and normal force are set. */
-static SCREE_INLINE void brace_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    at->stiffness = laws.stiffness(lane->friction, lane->friction_pair, at->d);
-    at->drag = laws.bare ? 0.0 : laws.damping(lane->friction, lane->friction_pair, at->d);
-    at->limit = laws.hold(lane->friction, sliding_at(at)).slides;
+static SCREE_INLINE void brace_stage(struct smooth_friction laws, const struct scree_rule *rule,
+                                     const struct lane_constants *m, int k, struct stage *at) {
+    const struct scree_law_constants *law = &rule->friction_constants;
+    struct scree_pair_constants pair = {
+        {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
+    struct scree_hold hold = laws.hold(law, (struct scree_sliding){.normal = at->normal > 0.0 ? at->normal : 0.0,
+                                                                   .overlap = at->d,
+                                                                   .closing = at->u,
+                                                                   .velocity = at->slip,
+                                                                   .stretch = at->s,
+                                                                   .sliding = at->slides});
+    at->stiffness = laws.stiffness(law, pair, at->d);
+    at->drag = laws.bare ? 0.0 : laws.damping(law, pair, at->d);
+    at->limit = hold.slides;
+    at->holds = hold.holds;
+}
+
+static SCREE_INLINE struct stage stage_of(const struct squeezes *by, int i, int k) {
+    return (struct stage){.d = by->d[i][k], .u = by->u[i][k], .normal = by->normal[i][k]};
 }
 
 /* What spring and dashpot would bear if the slider held, N. */
@@ -136,8 +232,9 @@ static SCREE_INLINE struct vec trial_at(const struct stage *at) {
 
 /* Friction at a stage whose stretch is known. A slider holds or slides whatever comes, until the step ends where it
  * shouldn't any more; a bare spring that slides has the stretch of its force. */
-static SCREE_INLINE void hold_stage(struct smooth_laws laws, const struct smooth_lane *lane, struct stage *at) {
-    brace_stage(laws, lane, at);
+static SCREE_INLINE void hold_stage(struct smooth_friction laws, const struct scree_rule *rule,
+                                    const struct lane_constants *m, int k, struct stage *at) {
+    brace_stage(laws, rule, m, k, at);
     struct vec trial = trial_at(at);
     at->force = vec_scale(-1.0, trial);
     if (laws.all_stick) return;
@@ -147,9 +244,10 @@ static SCREE_INLINE void hold_stage(struct smooth_laws laws, const struct smooth
 }
 
 /* Friction at a stage `time` after the first one, whose stretch is that of a slider that holds. */
-static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *first,
-                                    double time, struct stage *at) {
-    brace_stage(laws, lane, at);
+static SCREE_INLINE void grip_stage(struct smooth_friction laws, const struct scree_rule *rule,
+                                    const struct lane_constants *m, int k, const struct stage *first, double time,
+                                    struct stage *at) {
+    brace_stage(laws, rule, m, k, at);
     at->force = vec_scale(-1.0, trial_at(at));
     if (laws.all_stick) return;
     struct scree_drawn before = {
@@ -160,32 +258,18 @@ static SCREE_INLINE void grip_stage(struct smooth_laws laws, const struct smooth
     at->force = at->slides > 0.0 ? vec_scale(-1.0, drawn.carries) : at->force;
 }
 
-/* The stage that follows from the rates of `at`. */
-static SCREE_INLINE struct stage go_stage(struct smooth_laws laws, const struct smooth_lane *lane,
-                                          const struct lane_constants *m, int k, const struct stage *first,
-                                          const struct stage *at, double time) {
-    struct stage to = *first;
-    to.d = first->d + time * at->u;
-    to.u = first->u + time * (m->closing[k] - m->give[k] * at->normal);
-    press_stage(laws, lane, &to);
-    if (!laws.hold) return to;
+/* Where the rates of `at` lead in that time from the first stage. */
+static SCREE_INLINE void rub_on(struct smooth_friction laws, const struct scree_rule *rule,
+                                const struct lane_constants *m, int k, const struct stage *first,
+                                const struct stage *at, double time, struct stage *to) {
     struct vec aside = vec(m->aside[0][k], m->aside[1][k], m->aside[2][k]);
     double shorter = 0.5 * (at->d - m->start[k]);
-    to.v = vec_axpy(first->v, time, vec_axpy(aside, m->give_aside[k] - shorter * m->lever[0][k], at->force));
-    to.q = vec_axpy(first->q, -0.5 * time * (m->lever[0][k] - shorter * m->lever[1][k]), at->force);
-    to.slip = vec_axpy(to.v, to.d - m->start[k], to.q);
-    to.s = vec_axpy(first->s, time, at->slip);
-    grip_stage(laws, lane, first, time, &to);
-    return to;
-}
-
-/* What friction remembers at the end, whose overlap and speeds are set. */
-static SCREE_INLINE void finish_stage(struct smooth_laws laws, const struct smooth_lane *lane, const struct stage *a,
-                                      const struct stage *b, const struct stage *c, const struct stage *d, double time,
-                                      struct stage *end) {
-    struct vec inner = vec_add(b->slip, c->slip), slip = vec_axpy(vec_add(a->slip, d->slip), 2.0, inner);
-    end->s = vec_axpy(a->s, time * (1.0 / 6.0), slip);
-    grip_stage(laws, lane, a, time, end);
+    to->v = vec_axpy(first->v, time, vec_axpy(aside, m->give_aside[k] - shorter * m->lever[0][k], at->force));
+    to->q = vec_axpy(first->q, -0.5 * time * (m->lever[0][k] - shorter * m->lever[1][k]), at->force);
+    to->slip = vec_axpy(to->v, to->d - m->start[k], to->q);
+    to->s = vec_axpy(first->s, time, at->slip);
+    to->slides = first->slides;
+    grip_stage(laws, rule, m, k, first, time, to);
 }
 
 /* Whether one step of Runge-Kutta isn't enough for 1e-7 of the speed of the contact: an oscillation of angular
@@ -206,116 +290,138 @@ static SCREE_INLINE double coarse_at(const struct lane_constants *m, int k, cons
     return stiff * stiff * stiff * change <= tolerance * tolerance * speed ? 0.0 : 1.0;
 }
 
-/* Positive while the contact lasts, zero where it ends. Where the law is cut, the force over its damping rather than
- * the force: k d/c + u has no root of d in it. */
-static SCREE_INLINE double lasts_at(struct smooth_laws laws, double give, double step, const struct stage *at) {
-    if (!laws.cut) return at->d;
-    double beyond = at->u < 0.0 ? at->u : at->d / step, within = at->normal / (at->damping + 1e-6 / (give * step));
-    return at->d > 0.0 ? within : beyond;
-}
-
 /* What a slider that holds could still bear, N; by how much more (N) one that slides would have to bear if it held; the
  * force of a bare spring can't be more than what it slides with: by how much faster (m/s) it is dragged than the
- * stretch grows that its load allows. */
-static SCREE_INLINE double holds_at(struct smooth_laws laws, const struct smooth_lane *lane,
-                                    const struct lane_constants *m, int k, double step, const struct stage *at) {
-    double bears = vec_norm(trial_at(at)), left = laws.hold(lane->friction, sliding_at(at)).holds - bears;
+ * stretch grows that its load, `soon`, allows. */
+static SCREE_INLINE double holds_at(struct smooth_friction laws, const struct scree_rule *rule,
+                                    const struct lane_constants *m, int k, double step, const struct stage *at,
+                                    const struct squeezes *by, int soon) {
+    double bears = vec_norm(trial_at(at)), left = at->holds - bears;
+    if (laws.all_stick) return left;
     if (!laws.bare) return at->slides > 0.0 ? bears - at->limit : left;
-    const double soon = 1e-5 * step;
-    struct stage next = {.d = at->d + soon * at->u, .u = at->u + soon * (m->closing[k] - m->give[k] * at->normal)};
-    press_stage(laws, lane, &next);
-    brace_stage(laws, lane, &next);
-    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / soon;
+    struct stage next = stage_of(by, soon, k);
+    brace_stage(laws, rule, m, k, &next);
+    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / (so_soon * step);
     struct vec towards = vec_axpy(at->s, 1e-12 * step, at->slip); /* nothing is stretched yet at the very begin */
     double dragged = vec_dot(at->slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED);
     return at->slides > 0.0 ? dragged - growth : left;
 }
 
-/* What friction makes of the same step, and where it ends: `end` has its overlap and normal force. */
-static SCREE_INLINE void end_sideways(struct smooth_laws laws, const struct smooth_lane *lane, struct lane_constants *m,
-                                      int k, double step, const struct stage *first, const struct stage *second,
-                                      const struct stage *third, const struct stage *fourth, double time,
-                                      struct stage *end, struct rk_step *to) {
-    double share = time * (1.0 / 6.0);
-    struct vec between = vec_add(second->force, third->force);
-    struct vec rub = vec_scale(share, vec_axpy(vec_add(first->force, fourth->force), 2.0, between));
+/* What friction makes of the same step. */
+static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scree_rule *rule,
+                                  const struct lane_constants *m, int k, double step, struct course *c,
+                                  struct rk_step *to, const struct squeezes *by) {
+    double time = to->time[k], share = time * (1.0 / 6.0);
+    struct stage first = stage_of(by, 0, k), second = stage_of(by, 1, k), third = stage_of(by, 2, k);
+    struct stage fourth = stage_of(by, 3, k), end = stage_of(by, 4, k);
+    first.v = get(c->v, k);
+    first.q = get(c->q, k);
+    first.slip = vec_axpy(first.v, first.d - m->start[k], first.q);
+    first.s = get(c->s, k);
+    first.slides = end.slides = c->slides[k];
+    hold_stage(laws, rule, m, k, &first);
+    rub_on(laws, rule, m, k, &first, &first, 0.5 * time, &second);
+    rub_on(laws, rule, m, k, &first, &second, 0.5 * time, &third);
+    rub_on(laws, rule, m, k, &first, &third, time, &fourth);
+    struct vec between = vec_add(second.force, third.force);
+    struct vec rub = vec_scale(share, vec_axpy(vec_add(first.force, fourth.force), 2.0, between));
     /* The impulse times the depth: levers are half of it shorter. */
     struct vec inner_deep =
-        vec_axpy(vec_scale(second->d - m->start[k], second->force), third->d - m->start[k], third->force);
+        vec_axpy(vec_scale(second.d - m->start[k], second.force), third.d - m->start[k], third.force);
     struct vec outer_deep =
-        vec_axpy(vec_scale(first->d - m->start[k], first->force), fourth->d - m->start[k], fourth->force);
+        vec_axpy(vec_scale(first.d - m->start[k], first.force), fourth.d - m->start[k], fourth.force);
     struct vec deep = vec_scale(share, vec_axpy(outer_deep, 2.0, inner_deep));
-    end->v = vec_axpy(vec_axpy(first->v, time, get(m->aside, k)), m->give_aside[k], rub);
-    end->v = vec_axpy(end->v, -0.5 * m->lever[0][k], deep);
-    end->q = vec_axpy(first->q, -0.5 * m->lever[0][k], rub);
-    end->q = vec_axpy(end->q, 0.25 * m->lever[1][k], deep);
-    end->slip = vec_axpy(end->v, end->d - m->start[k], end->q);
-    put(to->q, k, end->q);
+    struct vec aside = vec(m->aside[0][k], m->aside[1][k], m->aside[2][k]);
+    end.v = vec_axpy(vec_axpy(first.v, time, aside), m->give_aside[k], rub);
+    end.v = vec_axpy(end.v, -0.5 * m->lever[0][k], deep);
+    end.q = vec_axpy(first.q, -0.5 * m->lever[0][k], rub);
+    end.q = vec_axpy(end.q, 0.25 * m->lever[1][k], deep);
+    end.slip = vec_axpy(end.v, end.d - m->start[k], end.q);
+    struct vec inner = vec_add(second.slip, third.slip);
+    struct vec slip = vec_axpy(vec_add(first.slip, fourth.slip), 2.0, inner);
+    end.s = vec_axpy(first.s, share, slip);
+    grip_stage(laws, rule, m, k, &first, time, &end);
+    put(to->v, k, end.v);
+    put(to->q, k, end.q);
+    put(to->s, k, end.s);
     put(to->deep, k, deep);
-    finish_stage(laws, lane, first, second, third, fourth, time, end);
     put(to->rub, k, rub);
-    put(to->rub_moment, k, vec_scale(share * time, vec_add(first->force, between)));
-    double outer_rubbing = vec_dot(first->force, first->slip) + vec_dot(fourth->force, fourth->slip);
-    double inner_rubbing = vec_dot(second->force, second->slip) + vec_dot(third->force, third->slip);
+    put(to->rub_moment, k, vec_scale(share * time, vec_add(first.force, between)));
+    double outer_rubbing = vec_dot(first.force, first.slip) + vec_dot(fourth.force, fourth.slip);
+    double inner_rubbing = vec_dot(second.force, second.slip) + vec_dot(third.force, third.slip);
     to->rubbed[k] = -share * (outer_rubbing + 2.0 * inner_rubbing);
-    put(to->v, k, end->v);
-    put(to->s, k, end->s);
-    to->slides[k] = end->slides;
-    to->holds[1][k] = holds_at(laws, lane, m, k, step, end);
-    to->coarse[k] = coarse_at(m, k, first, second, third, time);
-}
-
-/* One lane goes on by its time. */
-static SCREE_INLINE void step_lane(struct smooth_laws laws, const struct scree_rule *rule, struct lane_constants *m,
-                                   int k, double step, struct course *c, struct rk_step *to) {
-    struct smooth_lane lane = lane_of(rule, m, k);
-    struct stage first = {.d = c->d[k], .u = c->u[k]};
-    double time = to->time[k];
-    press_stage(laws, &lane, &first);
-    to->lasts[0][k] = lasts_at(laws, m->give[k], step, &first);
-    to->turns[0][k] = laws.hold ? first.normal : first.u; /* friction ends where a contact begins to pull */
-    to->holds[0][k] = 1.0;
-    if (laws.hold) {
-        first.v = get(c->v, k);
-        first.q = get(c->q, k);
-        first.slip = vec_axpy(first.v, first.d - m->start[k], first.q);
-        first.s = get(c->s, k);
-        first.slides = c->slides[k];
-        hold_stage(laws, &lane, &first);
-        to->holds[0][k] = holds_at(laws, &lane, m, k, step, &first) + (laws.bare ? 0.0 : 1e-9 * first.limit);
-    }
-    struct stage second = go_stage(laws, &lane, m, k, &first, &first, 0.5 * time);
-    struct stage third = go_stage(laws, &lane, m, k, &first, &second, 0.5 * time);
-    struct stage fourth = go_stage(laws, &lane, m, k, &first, &third, time);
-    double inner = second.normal + third.normal, share = time * (1.0 / 6.0);
-    double impulse = share * ((first.normal + fourth.normal) + 2.0 * inner);
-    double moment = share * time * (first.normal + inner);
-    struct stage end = first;
-    end.u = first.u + (time * m->closing[k] - m->give[k] * impulse);
-    end.d = first.d + (time * first.u + (0.5 * time * time * m->closing[k] - m->give[k] * moment));
-    to->press[k] = impulse;
-    to->press_moment[k] = moment;
-    to->d[k] = end.d;
-    to->u[k] = end.u;
-    press_stage(laws, &lane, &end);
-    to->lasts[1][k] = lasts_at(laws, m->give[k], step, &end);
-    to->turns[1][k] = laws.hold ? end.normal : end.u;
-    to->holds[1][k] = 1.0;
-    to->coarse[k] = 0.0;
-    if (laws.hold) end_sideways(laws, &lane, m, k, step, &first, &second, &third, &fourth, time, &end, to);
+    to->slides[k] = end.slides;
+    to->turns[0][k] = first.normal; /* friction ends where a contact begins to pull */
+    to->turns[1][k] = end.normal;
+    to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, SOON) + (laws.bare ? 0.0 : 1e-9 * first.limit);
+    to->holds[1][k] = holds_at(laws, rule, m, k, step, &end, by, SOON + 1);
+    to->coarse[k] = coarse_at(m, k, &first, &second, &third, time);
 }
 
 /* ---- where the force sets in as a root of the overlap ---- */
 
-/* What a contact has yielded since a time: impulses and their integrals, and where its slider is. */
+/* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and
+ * their moments themselves are the states. One step in sigma; of size 0: nothing. A stage at so much of it: `clock` is
+ * the number whose powers count, 1 for p = 4 and 0 for p = 2. */
+static SCREE_INLINE struct squeeze squeeze_tick(struct smooth_normal laws, const struct scree_rule *rule,
+                                                const struct lane_constants *m, int k, double root,
+                                                const struct course *c, const struct rk_step *to, double node,
+                                                double press, double moment, int i, struct squeezes *by) {
+    double cubic = root > 3.0 ? 1.0 : 0.0, sigma = to->sigma[k] + node * to->size[k];
+    double lower = (cubic * (sigma * sigma) + (1.0 - cubic)) * sigma; /* sigma^(p-1) */
+    double t = to->offset[k] + to->span[k] * lower * sigma;
+    double u = c->u[k] + (t * m->closing[k] - m->give[k] * press);
+    double d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * moment));
+    struct squeeze at = squeeze_at(laws, rule, m, k, d, u);
+    by->since[i][k] = t;
+    by->along[i][k] = to->size[k] * to->span[k] * root * lower;
+    put_squeeze(&at, i, k, by);
+    return at;
+}
+
+static SCREE_INLINE void squeeze_by_clock(struct smooth_normal laws, const struct scree_rule *rule,
+                                          const struct lane_constants *m, int k, double step, double root, int soon,
+                                          const struct course *c, struct rk_step *to, struct squeezes *by) {
+    const double sixth = 1.0 / 6.0, third = 2.0 / 6.0;
+    double press = to->press[k], moment = to->press_moment[k], p = press, q = moment, before;
+    struct squeeze at = squeeze_tick(laws, rule, m, k, root, c, to, 0.0, p, q, 0, by);
+    double end_press = press + sixth * by->along[0][k] * at.normal, end_moment = moment + sixth * by->along[0][k] * p;
+    before = p;
+    p = press + 0.5 * by->along[0][k] * at.normal;
+    q = moment + 0.5 * by->along[0][k] * before;
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 0.5, p, q, 1, by);
+    end_press += third * by->along[1][k] * at.normal;
+    end_moment += third * by->along[1][k] * p;
+    before = p;
+    p = press + 0.5 * by->along[1][k] * at.normal;
+    q = moment + 0.5 * by->along[1][k] * before;
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 0.5, p, q, 2, by);
+    end_press += third * by->along[2][k] * at.normal;
+    end_moment += third * by->along[2][k] * p;
+    before = p;
+    p = press + by->along[2][k] * at.normal;
+    q = moment + by->along[2][k] * before;
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, p, q, 3, by);
+    end_press += sixth * by->along[3][k] * at.normal;
+    end_moment += sixth * by->along[3][k] * p;
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, end_press, end_moment, 4, by);
+    to->d[k] = at.d;
+    to->u[k] = at.u;
+    to->press[k] = end_press;
+    to->press_moment[k] = end_moment;
+    to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &at);
+    to->turns[1][k] = at.u;
+    to->holds[1][k] = 1.0;
+    if (soon) squeeze_soon(laws, rule, m, k, step, &at, SOON + 1, by);
+}
+
+/* What friction has yielded since a time: impulses and their integrals, and where its slider is. */
 struct yields {
-    double press, press_moment, rubbed;
+    double rubbed;
     struct vec rub, rub_moment, deep, s;
 };
 
 static SCREE_INLINE struct yields add_yields(struct yields a, double share, const struct yields *rate) {
-    a.press += share * rate->press;
-    a.press_moment += share * rate->press_moment;
     a.rubbed += share * rate->rubbed;
     a.rub = vec_axpy(a.rub, share, rate->rub);
     a.rub_moment = vec_axpy(a.rub_moment, share, rate->rub_moment);
@@ -324,91 +430,46 @@ static SCREE_INLINE struct yields add_yields(struct yields a, double share, cons
     return a;
 }
 
-/* The instant `t` after that of the lane, and the rates of what it yields then. It is the first of its step, or `since`
- * it (s). */
-static SCREE_INLINE struct yields tick_stage(struct smooth_laws laws, const struct smooth_lane *lane,
-                                             struct lane_constants *m, int k, struct course *c, double t,
-                                             const struct yields *so_far, const struct stage *first, double since,
-                                             struct stage *at) {
-    struct yields rate = {.press_moment = so_far->press, .rub_moment = so_far->rub};
-    at->u = c->u[k] + (t * m->closing[k] - m->give[k] * so_far->press);
-    at->d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * so_far->press_moment));
-    press_stage(laws, lane, at);
-    rate.press = at->normal;
-    if (!laws.hold) return rate;
-    double lever = m->lever[0][k], deep = at->d - m->start[k];
-    at->v = vec_axpy(vec_axpy(get(c->v, k), t, get(m->aside, k)), m->give_aside[k], so_far->rub);
+/* A stage of friction, and the rates of what it yields there. `first`: the first stage; NULL: this is it. */
+static SCREE_INLINE struct yields rub_tick(struct smooth_friction laws, const struct scree_rule *rule,
+                                           const struct lane_constants *m, int k, struct course *c,
+                                           const struct yields *so_far, const struct squeezes *by, int i,
+                                           const struct stage *first, struct stage *at) {
+    *at = stage_of(by, i, k);
+    double t = by->since[i][k], lever = m->lever[0][k], deep = at->d - m->start[k];
+    struct vec aside = vec(m->aside[0][k], m->aside[1][k], m->aside[2][k]);
+    at->v = vec_axpy(vec_axpy(get(c->v, k), t, aside), m->give_aside[k], so_far->rub);
     at->v = vec_axpy(at->v, -0.5 * lever, so_far->deep);
     at->q = vec_axpy(vec_axpy(get(c->q, k), -0.5 * lever, so_far->rub), 0.25 * m->lever[1][k], so_far->deep);
     at->slip = vec_axpy(at->v, deep, at->q);
     at->s = so_far->s;
+    at->slides = c->slides[k];
     if (first)
-        grip_stage(laws, lane, first, since, at);
+        grip_stage(laws, rule, m, k, first, t - by->since[0][k], at);
     else
-        hold_stage(laws, lane, at);
-    rate.rub = at->force;
-    rate.rubbed = -vec_dot(at->force, at->slip);
-    rate.deep = vec_scale(deep, at->force);
-    rate.s = at->slip;
-    return rate;
+        hold_stage(laws, rule, m, k, at);
+    return (struct yields){-vec_dot(at->force, at->slip), at->force, so_far->rub, vec_scale(deep, at->force), at->slip};
 }
 
-/* A step in sigma on its way: what has been yielded before it, and by what comes of it so far; the rates of its last
- * stage, and the time per unit of its step that goes with them; its first stage and when that is; its last. */
-struct ticking {
-    struct yields start, end, rate;
-    double along, began;
+static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct scree_rule *rule,
+                                      const struct lane_constants *m, int k, double step, struct course *c,
+                                      struct rk_step *to, const struct squeezes *by) {
+    const double sixth = 1.0 / 6.0, third = 2.0 / 6.0;
+    struct yields start = {to->rubbed[k], get(to->rub, k), get(to->rub_moment, k), get(to->deep, k), get(to->s, k)};
     struct stage first, at;
-};
-
-/* The stage at so much of the step, `weight` of which counts. A function for each stage instead of a loop over them:
- * compilers make no vectors of lanes that have a loop inside. */
-static SCREE_INLINE void tick_on(struct smooth_laws laws, const struct smooth_lane *lane, struct lane_constants *m,
-                                 int k, struct course *c, const struct rk_step *to, int is_first, double node,
-                                 double weight, struct ticking *on) {
-    double span = to->span[k], size = to->size[k];
-    double sigma = to->sigma[k] + node * size, lower = scree_whole_power(sigma, laws.root - 1);
-    double t = to->offset[k] + span * lower * sigma;
-    struct yields now = weight > 0.0 ? add_yields(on->start, node * on->along, &on->rate) : on->end;
-    if (is_first) on->began = t;
-    on->rate = tick_stage(laws, lane, m, k, c, t, &now, is_first ? NULL : &on->first, t - on->began, &on->at);
-    if (is_first) on->first = on->at;
-    on->along = size * span * laws.root * lower;
-    if (weight > 0.0) on->end = add_yields(on->end, weight * on->along, &on->rate);
-}
-
-/* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and
- * their moments themselves are the states. One step in sigma; of size 0: nothing. */
-static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_rule *rule, struct lane_constants *m,
-                                   int k, double step, struct course *c, struct rk_step *to) {
-    struct smooth_lane lane = lane_of(rule, m, k);
-    double size = to->size[k];
-    struct yields start = {.press = to->press[k], .press_moment = to->press_moment[k]};
-    if (laws.hold) {
-        start.rubbed = to->rubbed[k];
-        start.rub = get(to->rub, k);
-        start.rub_moment = get(to->rub_moment, k);
-        start.deep = get(to->deep, k);
-        start.s = get(to->s, k);
-    }
-    struct ticking on = {.start = start, .end = start, .at = {.slides = laws.hold ? c->slides[k] : 0.0}};
-    tick_on(laws, &lane, m, k, c, to, 1, 0.0, 1.0 / 6.0, &on);
-    tick_on(laws, &lane, m, k, c, to, 0, 0.5, 2.0 / 6.0, &on);
-    tick_on(laws, &lane, m, k, c, to, 0, 0.5, 2.0 / 6.0, &on);
-    tick_on(laws, &lane, m, k, c, to, 0, 1.0, 1.0 / 6.0, &on);
-    tick_on(laws, &lane, m, k, c, to, 0, 1.0, 0.0, &on); /* the end */
-    struct stage at = on.at;
-    struct yields end = on.end;
-    to->sigma[k] += size;
-    to->d[k] = at.d;
-    to->u[k] = at.u;
-    to->press[k] = end.press;
-    to->press_moment[k] = end.press_moment;
-    to->lasts[1][k] = lasts_at(laws, m->give[k], step, &at);
-    to->turns[1][k] = laws.hold ? at.normal : at.u;
-    to->holds[1][k] = 1.0;
-    if (!laws.hold) return;
-    at.s = size == 0.0 ? start.s : at.s; /* a slider's stretch is scaled to its limit: once more would be another bit */
+    struct yields rate = rub_tick(laws, rule, m, k, c, &start, by, 0, NULL, &first);
+    struct yields end = add_yields(start, sixth * by->along[0][k], &rate);
+    struct yields now = add_yields(start, 0.5 * by->along[0][k], &rate);
+    rate = rub_tick(laws, rule, m, k, c, &now, by, 1, &first, &at);
+    end = add_yields(end, third * by->along[1][k], &rate);
+    now = add_yields(start, 0.5 * by->along[1][k], &rate);
+    rate = rub_tick(laws, rule, m, k, c, &now, by, 2, &first, &at);
+    end = add_yields(end, third * by->along[2][k], &rate);
+    now = add_yields(start, by->along[2][k], &rate);
+    rate = rub_tick(laws, rule, m, k, c, &now, by, 3, &first, &at);
+    end = add_yields(end, sixth * by->along[3][k], &rate);
+    rub_tick(laws, rule, m, k, c, &end, by, 4, &first, &at);
+    at.s = to->size[k] == 0.0 ? start.s : at.s; /* a slider's stretch is scaled to its limit: not once more */
     put(to->v, k, at.v);
     put(to->q, k, at.q);
     put(to->s, k, at.s);
@@ -417,51 +478,40 @@ static SCREE_INLINE void tick_lane(struct smooth_laws laws, const struct scree_r
     put(to->deep, k, end.deep);
     to->rubbed[k] = end.rubbed;
     to->slides[k] = at.slides;
-    to->holds[1][k] = holds_at(laws, &lane, m, k, step, &at);
+    to->turns[1][k] = at.normal;
+    to->holds[1][k] = holds_at(laws, rule, m, k, step, &at, by, SOON + 1);
 }
 
 /* ---- before the step ---- */
 
-/* The rate at which the contact damps at its start, and the steps that Runge and Kutta's method needs for its
- * stiffness: a quarter of 1/w at most, with which a contact errs by 1e-5 of its speed. `asked` > 0: so many times as
- * many. Odd are contacts that overlap still after their end. `deepens` 0: as if it got no deeper than it is; returns 1
- * where it may. */
-static SCREE_INLINE double rate_lane(struct smooth_laws laws, const struct scree_rule *rule, double slope, double step,
-                                     int asked, int deepens, int k, struct course *c, struct lane_constants *m) {
-    struct smooth_lane lane = lane_of(rule, m, k);
+/* How stiff the normal law is, and the rate at which it damps at the start. It gets as deep as the step takes it, or as
+ * far as its speed can press a spring between linear and Hertz's: no deeper than it is if that is more than it can
+ * press along all of its way with the force that it has now. `deepens` 0: as if it got no deeper than it is; returns 1
+ * where it may. Odd are contacts that overlap still after their end. */
+static SCREE_INLINE double soften(struct smooth_normal laws, const struct scree_rule *rule, double step, int deepens,
+                                  int k, struct course *c, struct lane_constants *m, struct softness *to) {
     double d = (c->d[k] > 0.0 ? c->d[k] : 0.0) + SCREE_NO_SPEED, u = c->u[k], way = d + step * fabs(u), deep = d;
-    struct scree_normal_force f = laws.press(lane.normal, lane.normal_pair, scree_pressed(d, u, 0.0, 0.0)), g = f;
-    double force = f.elastic + f.damping * u, rate = f.damping * m->give[k];
-    /* It gets as deep as the step takes it, or as far as its speed can press a spring between linear and Hertz's: no
-     * deeper than it is if that is more than it can press along all of its way with the force that it has now. */
-    double can = 1.25 * u * u, more = ((u > 0.0) & (way * can > d * d * (m->give[k] * f.elastic))) ? 1.0 : 0.0;
+    struct scree_normal_force f = press_at(laws, rule, m, k, d, u), g = f;
+    double force = f.elastic + f.damping * u, can = 1.25 * u * u;
+    double more = ((u > 0.0) & (way * can > d * d * (m->give[k] * f.elastic))) ? 1.0 : 0.0;
     if (deepens) {
-        double most = laws.press(lane.normal, lane.normal_pair, scree_pressed(way, u, 0.0, 0.0)).elastic;
+        double most = press_at(laws, rule, m, k, way, u).elastic;
         double needs = m->give[k] * most * way + SCREE_NO_SPEED, pressed = needs > can ? way * sqrt(can / needs) : way;
         deep = ((more > 0.0) & (pressed > d)) ? pressed : d;
-        g = laws.press(lane.normal, lane.normal_pair, scree_pressed(deep, u, 0.0, 0.0));
+        g = press_at(laws, rule, m, k, deep, u);
     }
-    double damped = g.damping * m->give[k], stiff = m->give[k] * 1.5 * fabs(g.elastic) / deep;
-    if (laws.hold) {
-        double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(lane.friction, lane.friction_pair, d);
-        double across = 2.0 * m->give_aside[k] * steep;
-        rate = across > rate ? across : rate;
-        double spring = m->give_aside[k] * laws.stiffness(lane.friction, lane.friction_pair, deep);
-        stiff = spring > stiff ? spring : stiff;
-        double drag = slope * fabs(g.elastic) + laws.damping(lane.friction, lane.friction_pair, deep);
-        damped = m->give_aside[k] * drag > damped ? m->give_aside[k] * drag : damped;
-    }
-    m->rate[k] = rate;
-    stiff = damped * damped > stiff ? damped * damped : stiff;
-    double steps = 4.0 * step * sqrt(stiff);
-    double times = asked > 0 ? (double)asked : 1.0;
-    steps = steps < 63.0 ? steps : 63.0; /* NaN too */
-    m->grid[k] = step / ((double)(1 + (int)steps) * times);
+    m->rate[k] = f.damping * m->give[k];
+    to->d[k] = d;
+    to->deep[k] = deep;
+    to->force[k] = force;
+    to->most[k] = g.elastic;
+    to->damped[k] = g.damping * m->give[k];
+    to->stiff[k] = m->give[k] * 1.5 * fabs(g.elastic) / deep;
     c->odd[k] = 0.0;
     m->pushes[0][k] = m->pushes[1][k] = 0.0;
     if (!laws.cut) return more;
     double later = d + step * u, deeper = later > 0.0 ? later : 0.0;
-    struct scree_normal_force then = laws.press(lane.normal, lane.normal_pair, scree_pressed(deeper, u, 0.0, 0.0));
+    struct scree_normal_force then = press_at(laws, rule, m, k, deeper, u);
     double softness = 1.5 * then.elastic / (deeper + SCREE_NO_SPEED);
     m->pushes[0][k] = then.elastic + then.damping * u;
     m->pushes[1][k] = step * (then.damping + step * softness);
@@ -469,11 +519,37 @@ static SCREE_INLINE double rate_lane(struct smooth_laws laws, const struct scree
     return more;
 }
 
+/* The same of friction, which has the slope (s/m): whichever is more. */
+static SCREE_INLINE void stiffen(struct smooth_friction laws, const struct scree_rule *rule, double slope, int k,
+                                 struct lane_constants *m, struct softness *to) {
+    const struct scree_law_constants *law = &rule->friction_constants;
+    struct scree_pair_constants pair = {
+        {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
+    double force = to->force[k], rate = m->rate[k], stiff = to->stiff[k], damped = to->damped[k];
+    double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(law, pair, to->d[k]);
+    double across = 2.0 * m->give_aside[k] * steep;
+    double spring = m->give_aside[k] * laws.stiffness(law, pair, to->deep[k]);
+    double drag = m->give_aside[k] * (slope * fabs(to->most[k]) + laws.damping(law, pair, to->deep[k]));
+    m->rate[k] = across > rate ? across : rate;
+    to->stiff[k] = spring > stiff ? spring : stiff;
+    to->damped[k] = drag > damped ? drag : damped;
+}
+
+/* The steps that Runge and Kutta's method needs: a quarter of 1/w at most, with which a contact errs by 1e-5 of its
+ * speed. `asked` > 0: so many times as many. */
+static SCREE_INLINE void rule_grid(double step, int asked, int k, const struct softness *by, struct lane_constants *m) {
+    double stiff = by->stiff[k], damped = by->damped[k];
+    stiff = damped * damped > stiff ? damped * damped : stiff;
+    double steps = 4.0 * step * sqrt(stiff), times = asked > 0 ? (double)asked : 1.0;
+    steps = steps < 63.0 ? steps : 63.0; /* NaN too */
+    m->grid[k] = step / ((double)(1 + (int)steps) * times);
+}
+
 /* Energy in the normal direction that a contact gives back, J. */
-static SCREE_INLINE double stored_at(struct smooth_laws laws, const struct scree_rule *rule,
+static SCREE_INLINE double stored_at(struct smooth_normal laws, const struct scree_rule *rule,
                                      const struct lane_constants *m, int k, double overlap, double closing) {
-    struct smooth_lane lane = lane_of(rule, m, k);
-    double stored = laws.stored(lane.normal, lane.normal_pair, scree_pressed(overlap, closing, 0.0, 0.0));
+    struct scree_pair_constants pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
+    double stored = laws.stored(&rule->normal_constants, pair, scree_pressed(overlap, closing, 0.0, 0.0));
     return overlap > 0.0 ? stored : 0.0;
 }
 

@@ -8,16 +8,25 @@
 
 #include <stddef.h>
 
-/* Loops over lanes with the laws in them. */
-struct smooth_loops {
-    void (*rates)(const struct scree_rule *rule, double slope, double step, int asked, int count, struct course *c,
-                  struct lane_constants *m);
-    void (*go)(const struct scree_rule *rule, struct lane_constants *m, int count, double step, struct course *c,
-               struct rk_step *to);
-    void (*tick)(const struct scree_rule *rule, struct lane_constants *m, int count, double step, struct course *c,
-                 struct rk_step *to);
-    void (*store)(const struct scree_rule *rule, const struct lane_constants *m, int count, const double *overlap,
+/* Loops over the lanes of a vector, `from` on, with a normal law in them; `soon` as in lane.h. */
+struct normal_loops {
+    void (*go)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, int soon,
+               const struct course *c, struct rk_step *to, struct squeezes *by);
+    void (*tick)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, double root,
+                 int soon, const struct course *c, struct rk_step *to, struct squeezes *by);
+    void (*rate)(const struct scree_rule *rule, struct lane_constants *m, int from, double step, struct course *c,
+                 struct softness *to);
+    void (*store)(const struct scree_rule *rule, const struct lane_constants *m, int from, const double *overlap,
                   const double *closing, double *energy);
+};
+
+/* With a friction law in them, behind those. */
+struct friction_loops {
+    void (*go)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, struct course *c,
+               struct rk_step *to, const struct squeezes *by);
+    void (*tick)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, struct course *c,
+                 struct rk_step *to, const struct squeezes *by);
+    void (*rate)(const struct scree_rule *rule, struct lane_constants *m, int from, double slope, struct softness *to);
 };
 
 /* Flags in such a loop are numbers, 0 or 1: negations of ints beside doubles keep gcc from making vectors. */
@@ -32,7 +41,8 @@ struct smooth_loops {
 
 /* The contacts of a rule in a step. */
 struct smooth_pass {
-    const struct smooth_loops *loops; /* NULL: there are none */
+    const struct normal_loops *normal;     /* NULL: the laws aren't smooth, all contacts are left to within.c */
+    const struct friction_loops *friction; /* NULL: there is none */
     const struct scree_rule *rule;
     double step;
     double slope; /* of the friction law, s/m */
@@ -58,6 +68,49 @@ static void return_lanes(const void *from, const int *lane, int count, size_t si
 }
 
 /* ---- on the way ---- */
+
+/* Whether there is a one in a vector of lanes. */
+static int any_of(const double column[SCREE_LANES], int from) {
+    int any = 0;
+    for (int k = from; k < from + WIDTH; k++) any |= column[k] > 0.0;
+    return any;
+}
+
+/* Only bare springs that slide ask what comes soon; most sliders stick in a bed. */
+static int asks_soon(const struct smooth_pass *pass, const struct course *c, int from) {
+    return pass->rubs && !pass->damped && any_of(c->slides, from);
+}
+
+/* All lanes go on by their times. */
+static void step_lanes(const struct smooth_pass *pass, const struct lane_constants *m, int count, struct course *c,
+                       struct rk_step *to) {
+    struct squeezes by;
+    for (int from = 0; from < padded(count); from += WIDTH) {
+        pass->normal->go(pass->rule, m, from, pass->step, asks_soon(pass, c, from), c, to, &by);
+        if (pass->rubs) pass->friction->go(pass->rule, m, from, pass->step, c, to, &by);
+    }
+}
+
+/* The same in one step by the clock of a root. */
+static void tick_lanes(const struct smooth_pass *pass, const struct lane_constants *m, int count, struct course *c,
+                       struct rk_step *to) {
+    struct squeezes by;
+    for (int from = 0; from < padded(count); from += WIDTH) {
+        pass->normal->tick(pass->rule, m, from, pass->step, pass->root, asks_soon(pass, c, from), c, to, &by);
+        if (pass->rubs) pass->friction->tick(pass->rule, m, from, pass->step, c, to, &by);
+        for (int k = from; k < from + WIDTH; k++) to->sigma[k] += to->size[k];
+    }
+}
+
+/* Before the step: rates of damping, and grids. */
+static void rate_lanes(const struct smooth_pass *pass, int count, struct course *c, struct lane_constants *m) {
+    struct softness by;
+    for (int from = 0; from < padded(count); from += WIDTH) {
+        pass->normal->rate(pass->rule, m, from, pass->step, c, &by);
+        if (pass->rubs) pass->friction->rate(pass->rule, m, from, pass->slope, &by);
+    }
+    SMOOTH_LOOP(rule_grid(pass->step, pass->substeps, k, &by, m);)
+}
 
 /* Contacts on their way. */
 struct march {
@@ -239,7 +292,7 @@ static void look_at_begin(const struct smooth_pass *pass, int count, struct marc
     double time[SCREE_LANES], soon = pass->damped ? 1e-5 : 0.0;
     memcpy(time, x->to.time, sizeof time);
     for (int k = 0; k < padded(count); k++) x->to.time[k] *= soon;
-    pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, &x->to);
+    step_lanes(pass, &x->m, count, &x->c, &x->to);
     if (pass->damped) memcpy(x->to.holds[0], x->to.holds[1], sizeof x->to.holds[0]);
     memcpy(x->to.time, time, sizeof time);
 }
@@ -271,7 +324,7 @@ static void tick(const struct smooth_pass *pass, int count, const int *ends, str
     for (int piece = 0; piece < most; piece++) {
         for (int k = 0; k < padded(count); k++)
             if (piece == pieces[k]) x->to.size[k] = 0.0;
-        pass->loops->tick(pass->rule, &x->m, count, pass->step, &x->c, &x->to);
+        tick_lanes(pass, &x->m, count, &x->c, &x->to);
     }
 }
 
@@ -281,7 +334,7 @@ static void go(const struct smooth_pass *pass, int count, const int *ends, struc
     if (x->by_clock)
         tick(pass, count, ends, x);
     else
-        pass->loops->go(pass->rule, &x->m, count, pass->step, &x->c, &x->to);
+        step_lanes(pass, &x->m, count, &x->c, &x->to);
 }
 
 /* What is positive before an event and negative behind it, at the begin (0) or the end (1) of the step. */

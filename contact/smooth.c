@@ -16,113 +16,114 @@
 
 #include <string.h>
 
-/* ---- passes ---- */
+/* ---- loops with a law in them ---- */
 
-/* Whether there is a one in a vector of lanes. */
-static int any_of(const double column[SCREE_LANES], int from) {
-    int any = 0;
-    for (int k = from; k < from + WIDTH; k++) any |= column[k] > 0.0;
-    return any;
-}
+/* What keeps numbers, reaches beyond the touch or changes its formula inside a contact isn't smooth. */
+#define SMOOTH_NOT(law) ((law).memory || (law).reach || (law).bends)
 
-/* Whether no slider of a vector of lanes slides, so that how one does needn't be reckoned: most stick in a bed. */
-static int all_stick(const struct course *c, int from) { return !any_of(c->slides, from); }
-
-/* The loops of laws that go together. Those that go on have one for lanes whose sliders all stick. */
-#define SMOOTH_PASS(name, ...)                                                                                         \
-    __attribute__((flatten)) static void smooth_rates_##name(const struct scree_rule *rule, double slope, double step, \
-                                                             int asked, int count, struct course *c,                   \
-                                                             struct lane_constants *m) {                               \
-        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
+#define NORMAL_OF(word)                                                                                                \
+    {                                                                                                                  \
+        .press = normal_##word##_force, .stored = scree_normal_##word.stored, .cut = scree_normal_##word.cut,          \
+        .raises = scree_normal_##word.raises, .none = SMOOTH_NOT(scree_normal_##word)                                  \
+    }
+#define SMOOTH_NORMAL(word)                                                                                            \
+    __attribute__((flatten)) static void go_##word(const struct scree_rule *rule, const struct lane_constants *m,      \
+                                                   int from, double step, int soon, const struct course *c,            \
+                                                   struct rk_step *to, struct squeezes *by) {                          \
+        const struct smooth_normal laws = NORMAL_OF(word);                                                             \
+        struct scree_rule own = *rule;                                                                                 \
+        if (laws.none) return;                                                                                         \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
+            if (soon)                                                                                                  \
+                SMOOTH_VECTOR(squeeze_step(laws, &own, m, k, step, 1, c, to, by);)                                     \
+            else                                                                                                       \
+                SMOOTH_VECTOR(squeeze_step(laws, &own, m, k, step, 0, c, to, by);)                                     \
+        })                                                                                                             \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void tick_##word(                                                                  \
+        const struct scree_rule *rule, const struct lane_constants *m, int from, double step, double root, int soon,   \
+        const struct course *c, struct rk_step *to, struct squeezes *by) {                                             \
+        const struct smooth_normal laws = NORMAL_OF(word);                                                             \
+        struct scree_rule own = *rule;                                                                                 \
+        if (laws.none) return;                                                                                         \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
+            if (soon)                                                                                                  \
+                SMOOTH_VECTOR(squeeze_by_clock(laws, &own, m, k, step, root, 1, c, to, by);)                           \
+            else                                                                                                       \
+                SMOOTH_VECTOR(squeeze_by_clock(laws, &own, m, k, step, root, 0, c, to, by);)                           \
+        })                                                                                                             \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void rate_##word(const struct scree_rule *rule, struct lane_constants *m,          \
+                                                     int from, double step, struct course *c, struct softness *to) {   \
+        const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
         double deeper[SCREE_LANES];                                                                                    \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            SMOOTH_LOOP(deeper[k] = rate_lane(laws, &own, slope, step, asked, 0, k, c, m);)                            \
-            for (int from = 0; from < padded(count); from += WIDTH)                                                    \
-                if (any_of(deeper, from)) SMOOTH_VECTOR(rate_lane(laws, &own, slope, step, asked, 1, k, c, m);)        \
+            SMOOTH_VECTOR(deeper[k] = soften(laws, &own, step, 0, k, c, m, to);)                                       \
+            if (any_of(deeper, from)) SMOOTH_VECTOR(soften(laws, &own, step, 1, k, c, m, to);)                         \
         })                                                                                                             \
     }                                                                                                                  \
-    __attribute__((flatten)) static void smooth_go_##name(const struct scree_rule *rule, struct lane_constants *m,     \
-                                                          int count, double step, struct course *c,                    \
-                                                          struct rk_step *to) {                                        \
-        const struct smooth_laws laws = {__VA_ARGS__}, sticking = {__VA_ARGS__, .all_stick = 1};                       \
-        struct scree_rule own = *rule;                                                                                 \
-        if (laws.none) return;                                                                                         \
-        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            for (int from = 0; from < padded(count); from += WIDTH)                                                    \
-                if (laws.hold && all_stick(c, from))                                                                   \
-                    SMOOTH_VECTOR(step_lane(sticking, &own, m, k, step, c, to);)                                       \
-                else                                                                                                   \
-                    SMOOTH_VECTOR(step_lane(laws, &own, m, k, step, c, to);)                                           \
-        })                                                                                                             \
-    }                                                                                                                  \
-    __attribute__((flatten)) static void smooth_tick_##name(const struct scree_rule *rule, struct lane_constants *m,   \
-                                                            int count, double step, struct course *c,                  \
-                                                            struct rk_step *to) {                                      \
-        const struct smooth_laws laws = {__VA_ARGS__}, sticking = {__VA_ARGS__, .all_stick = 1};                       \
-        struct scree_rule own = *rule;                                                                                 \
-        if (laws.none || laws.root < 2) return;                                                                        \
-        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            for (int from = 0; from < padded(count); from += WIDTH)                                                    \
-                if (laws.hold && all_stick(c, from))                                                                   \
-                    SMOOTH_VECTOR(tick_lane(sticking, &own, m, k, step, c, to);)                                       \
-                else                                                                                                   \
-                    SMOOTH_VECTOR(tick_lane(laws, &own, m, k, step, c, to);)                                           \
-        })                                                                                                             \
-    }                                                                                                                  \
-    __attribute__((flatten)) static void smooth_store_##name(                                                          \
-        const struct scree_rule *rule, const struct lane_constants *m, int count, const double *overlap,               \
-        const double *closing, double *energy) {                                                                       \
-        const struct smooth_laws laws = {__VA_ARGS__};                                                                 \
+    __attribute__((flatten)) static void store_##word(const struct scree_rule *rule, const struct lane_constants *m,   \
+                                                      int from, const double *overlap, const double *closing,          \
+                                                      double *energy) {                                                \
+        const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants,                                                          \
-                           SMOOTH_LOOP(energy[k] = stored_at(laws, &own, m, k, overlap[k], closing[k]);))              \
+                           SMOOTH_VECTOR(energy[k] = stored_at(laws, &own, m, k, overlap[k], closing[k]);))            \
     }
+SCREE_NORMAL_LAWS(SMOOTH_NORMAL)
 
-/* What keeps numbers, reaches beyond the touch or changes its formula inside a contact isn't smooth. */
-#define SMOOTH_NOT(law) (law.memory || law.reach || law.bends)
-#define SMOOTH_ALONE(word)                                                                                             \
-    SMOOTH_PASS(word, .press = normal_##word##_force, .stored = scree_normal_##word.stored,                            \
-                .raises = scree_normal_##word.raises, .cut = scree_normal_##word.cut,                                  \
-                .root = scree_normal_##word.root, .none = SMOOTH_NOT(scree_normal_##word))
-SCREE_NORMAL_LAWS(SMOOTH_ALONE)
+/* A slider that keeps its force, or whose hold depends on the speed, isn't smooth. */
+#define SMOOTH_SLIDER(law) ((law).hold && !(law).in_force && !(law).band)
 
-/* Laws that go together get a pass; of others every contact is left to within.c. */
-#define SMOOTH_PAIRS(PAIR)                                                                                             \
-    PAIR(linear, coulomb)                                                                                              \
-    PAIR(linear_cut, coulomb)                                                                                          \
-    PAIR(hertz, coulomb)                                                                                               \
-    PAIR(hunt_crossley, coulomb)                                                                                       \
-    PAIR(tsuji_cut, coulomb)                                                                                           \
-    PAIR(hertz, mindlin)                                                                                               \
-    PAIR(tsuji, mindlin)                                                                                               \
-    PAIR(tsuji_cut, mindlin)
-#define LARGER_ROOT(one, other) (one > other ? one : other)
-#define SMOOTH_TOGETHER(one, other, how, is_bare)                                                                      \
-    SMOOTH_PASS(one##_##other##how, .press = normal_##one##_force, .stored = scree_normal_##one.stored,                \
-                .raises = scree_normal_##one.raises, .hold = other##_hold,                                             \
-                .stiffness = scree_friction_##other.stiffness, .damping = scree_friction_##other.damping,              \
-                .cut = scree_normal_##one.cut,                                                                         \
-                .root = LARGER_ROOT(scree_normal_##one.root, scree_friction_##other.root), .bare = is_bare)
-#define SMOOTH_BOTH(one, other) SMOOTH_TOGETHER(one, other, _bare, 1) SMOOTH_TOGETHER(one, other, _damped, 0)
-SMOOTH_PAIRS(SMOOTH_BOTH)
+#define SLIDER_OF(word, is_bare, sticks)                                                                               \
+    {                                                                                                                  \
+        .hold = scree_friction_##word.hold, .stiffness = scree_friction_##word.stiffness,                              \
+        .damping = scree_friction_##word.damping, .bare = is_bare, .all_stick = sticks,                                \
+        .none = !SMOOTH_SLIDER(scree_friction_##word)                                                                  \
+    }
+#define SMOOTH_FRICTION(word, how, is_bare)                                                                            \
+    __attribute__((flatten)) static void go_##word##how(const struct scree_rule *rule, const struct lane_constants *m, \
+                                                        int from, double step, struct course *c, struct rk_step *to,   \
+                                                        const struct squeezes *by) {                                   \
+        const struct smooth_friction laws = SLIDER_OF(word, is_bare, 0), sticking = SLIDER_OF(word, is_bare, 1);       \
+        const struct scree_rule own = *rule;                                                                           \
+        if (laws.none) return;                                                                                         \
+        if (any_of(c->slides, from))                                                                                   \
+            SMOOTH_VECTOR(rub_step(laws, &own, m, k, step, c, to, by);)                                                \
+        else                                                                                                           \
+            SMOOTH_VECTOR(rub_step(sticking, &own, m, k, step, c, to, by);)                                            \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void tick_##word##how(                                                             \
+        const struct scree_rule *rule, const struct lane_constants *m, int from, double step, struct course *c,        \
+        struct rk_step *to, const struct squeezes *by) {                                                               \
+        const struct smooth_friction laws = SLIDER_OF(word, is_bare, 0), sticking = SLIDER_OF(word, is_bare, 1);       \
+        const struct scree_rule own = *rule;                                                                           \
+        if (laws.none) return;                                                                                         \
+        if (any_of(c->slides, from))                                                                                   \
+            SMOOTH_VECTOR(rub_by_clock(laws, &own, m, k, step, c, to, by);)                                            \
+        else                                                                                                           \
+            SMOOTH_VECTOR(rub_by_clock(sticking, &own, m, k, step, c, to, by);)                                        \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void rate_##word##how(const struct scree_rule *rule, struct lane_constants *m,     \
+                                                          int from, double slope, struct softness *to) {               \
+        const struct smooth_friction laws = SLIDER_OF(word, is_bare, 0);                                               \
+        const struct scree_rule own = *rule;                                                                           \
+        if (laws.none) return;                                                                                         \
+        SMOOTH_VECTOR(stiffen(laws, &own, slope, k, m, to);)                                                           \
+    }
+#define SMOOTH_EITHER(word) SMOOTH_FRICTION(word, _damped, 0) SMOOTH_FRICTION(word, _bare, 1)
+SCREE_FRICTION_LAWS(SMOOTH_EITHER)
 
-#define ENTRY(word) {smooth_rates_##word, smooth_go_##word, smooth_tick_##word, smooth_store_##word},
-static const struct smooth_loops smooth_alone[] = {SCREE_NORMAL_LAWS(ENTRY)};
+#define ENTRY(word) {go_##word, tick_##word, rate_##word, store_##word},
+static const struct normal_loops smooth_normals[] = {SCREE_NORMAL_LAWS(ENTRY)};
 #undef ENTRY
-#define ENTRY(one, other)                                                                                              \
-    {NORMAL_##one,                                                                                                     \
-     FRICTION_##other,                                                                                                 \
-     {{smooth_rates_##one##_##other##_damped, smooth_go_##one##_##other##_damped,                                      \
-       smooth_tick_##one##_##other##_damped, smooth_store_##one##_##other##_damped},                                   \
-      {smooth_rates_##one##_##other##_bare, smooth_go_##one##_##other##_bare, smooth_tick_##one##_##other##_bare,      \
-       smooth_store_##one##_##other##_bare}}},
-static const struct {
-    int normal, friction;
-    struct smooth_loops loops[2]; /* with a dashpot; without */
-} smooth_pairs[] = {SMOOTH_PAIRS(ENTRY)};
+#define ENTRY(word)                                                                                                    \
+    {{go_##word##_damped, tick_##word##_damped, rate_##word##_damped},                                                 \
+     {go_##word##_bare, tick_##word##_bare, rate_##word##_bare}},
+static const struct friction_loops smooth_frictions[][2] = {SCREE_FRICTION_LAWS(ENTRY)}; /* with a dashpot; without */
 #undef ENTRY
 
 static int is_bare(const struct scree_rule *rule, const struct scree_batch *batch, int first) {
@@ -132,28 +133,23 @@ static int is_bare(const struct scree_rule *rule, const struct scree_batch *batc
     return scree_is_bare(friction, &rule->friction_constants, pair);
 }
 
-static const struct smooth_loops *smooth_loops_of(const struct scree_rule *rule, int bare) {
-    if (rule->friction < 0) return &smooth_alone[rule->normal];
-    for (size_t k = 0; k < sizeof smooth_pairs / sizeof *smooth_pairs; k++)
-        if (smooth_pairs[k].normal == rule->normal && smooth_pairs[k].friction == rule->friction)
-            return &smooth_pairs[k].loops[bare];
-    return NULL;
-}
-
 static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, const struct scree_batch *batch,
                                          int first, double step) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
     struct smooth_pass pass = {.rule = rule, .step = step, .substeps = contacts->substeps, .books = contacts->measured};
-    if (SMOOTH_NOT((*normal))) return pass;
-    int rubs = pass.rubs = rule->friction >= 0, bare = rubs && is_bare(rule, batch, first);
-    pass.loops = smooth_loops_of(rule, bare);
-    pass.damped = rubs && !bare;
+    int rubs = pass.rubs = rule->friction >= 0;
+    if (SMOOTH_NOT(*normal)) return pass;
     pass.cut = normal->cut;
     pass.turns = rubs ? !normal->cut : !normal->turns_smoothly;
     pass.root = normal->root;
+    pass.normal = &smooth_normals[rule->normal];
     if (!rubs) return pass;
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
+    int bare = SMOOTH_SLIDER(*friction) && is_bare(rule, batch, first);
+    if (!SMOOTH_SLIDER(*friction) || !normal->turns_smoothly) pass.normal = NULL;
+    pass.friction = &smooth_frictions[rule->friction][bare];
+    pass.damped = !bare;
     pass.slope = friction->slope(&rule->friction_constants);
     if (friction->root > pass.root) pass.root = friction->root;
     return pass;
@@ -235,8 +231,10 @@ static void book_losses(const struct smooth_pass *pass, struct smooth_block *s, 
     double closing[SCREE_LANES] = {0.0}, before[SCREE_LANES] = {0.0}, after[SCREE_LANES] = {0.0};
     if (!pass->books) return;
     SMOOTH_LOOP(closing[k] = -vec_dot(get(s->b.rush, k), get(s->b.n, k));)
-    pass->loops->store(pass->rule, m, count, s->b.overlap, closing, before);
-    pass->loops->store(pass->rule, m, count, c->d, c->u, after);
+    for (int from = 0; from < padded(count); from += WIDTH) {
+        pass->normal->store(pass->rule, m, from, s->b.overlap, closing, before);
+        pass->normal->store(pass->rule, m, from, c->d, c->u, after);
+    }
     SMOOTH_LOOP({
         double d = s->b.overlap[k], u = closing[k];
         double work = (m->closing[k] * (c->d[k] - d) - 0.5 * (c->u[k] - u) * (c->u[k] + u)) / m->give[k];
@@ -383,7 +381,7 @@ static void begin_smooth(const struct smooth_work *w, const int *index, int coun
     const struct smooth_pass *pass = &w->pass;
     gather_smooth(w->now, w->batch, w->first, index, count, pass->rubs, w->kind.sizes.even, s);
     meet_smooth(s, count, pass->step, w->kind);
-    pass->loops->rates(pass->rule, pass->slope, pass->step, pass->substeps, count, &s->x.c, &s->x.m);
+    rate_lanes(pass, count, &s->x.c, &s->x.m);
     drive_smooth(s, count, pass->step, w->kind);
     s->x.by_clock = 0;
 }
@@ -445,7 +443,7 @@ static int impel_straight(const struct smooth_work *w, int count, int *lane, str
         s.x.c.odd[k] = s.at.more[3][k] > 0.0 ? 1.0 : s.x.c.odd[k];
         try_lane(pass, k, &s.x);
     })
-    pass->loops->go(pass->rule, &s.x.m, count, pass->step, &s.x.c, &s.x.to);
+    step_lanes(pass, &s.x.m, count, &s.x.c, &s.x.to);
     double by_control = is_controlled(pass) ? 1.0 : 0.0;
     if (pass->rubs)
         SMOOTH_LOOP(accept_straight(pass, by_control, 1, k, &s.x);)
@@ -479,7 +477,7 @@ uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct s
     const struct smooth_work work = work_on(contacts, now, batch, first, step);
     int lane[SCREE_LANES], lanes = count;
     uint32_t odd = 0;
-    if (!work.pass.loops || !(work.kind.balls || batch->geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
+    if (!work.pass.normal || !(work.kind.balls || batch->geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
     if (2 * count_touched(batch, first, count) >= count &&
         is_plain(now, &batch->ends[first])) /* as the others, mostly */
         lanes = impel_straight(&work, count, lane, yield, moments);
