@@ -44,7 +44,8 @@ static inline struct scree_tangential friction_stribeck_force(const struct scree
     double speed = vec_norm(at.velocity);
     double w = speed / law->c[STRIBECK_SPEED], ramp = speed / law->c[STRIBECK_THRESHOLD];
     double drop = law->c[STRIBECK_STATIC] - law->c[STRIBECK_KINETIC];
-    double fall = scree_exp(-scree_power(w, law->c[STRIBECK_EXPONENT], law->exponent));
+    double square = law->exponent.two, other = 1.0 - square; /* both in any case: a choice is no vector */
+    double fall = scree_exp(-(square * (w * w) + other * scree_pow(w, law->c[STRIBECK_EXPONENT])));
     double dry = (law->c[STRIBECK_KINETIC] + drop * fall) * (ramp < 1.0 ? ramp : 1.0);
     return scree_against(at, dry + law->c[STRIBECK_VISCOUS] * speed, speed);
 }
@@ -61,7 +62,6 @@ static const struct scree_friction_law scree_friction_stribeck = {
                      "force grows with the load.",
              .example = "static = 0.4, kinetic = 0.3, stribeck_speed = 2e-3, threshold = 3e-4, viscous = 2.0",
              .parameters = stribeck_parameters},
-    .raises = 1,
     .bake = friction_stribeck_bake,
     .force = friction_stribeck_force,
     .stored = scree_no_store,

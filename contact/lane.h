@@ -14,6 +14,8 @@
 typedef struct scree_normal_force press_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
                                             struct scree_pressing at);
 typedef struct scree_hold hold_law(const struct scree_law_constants *law, struct scree_sliding at);
+typedef struct scree_tangential rub_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                        struct scree_sliding at);
 typedef double stored_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
                           struct scree_pressing at);
 typedef double at_overlap(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
@@ -29,8 +31,9 @@ struct smooth_normal {
     int none;   /* it isn't smooth */
 };
 
-/* Friction is a slider behind a spring and a dashpot (slider.h). */
+/* Friction is a slider behind a spring and a dashpot (slider.h), or a force that remembers nothing. */
 struct smooth_friction {
+    rub_law *rub; /* NULL: it is a slider */
     hold_law *hold;
     at_overlap *stiffness, *damping;
     int bare;      /* the spring has no dashpot beside it */
@@ -150,16 +153,17 @@ static SCREE_INLINE double lasts_at(int cut, double give, double step, const str
 static const double so_soon = 1e-5;
 
 static SCREE_INLINE void squeeze_soon(struct smooth_normal laws, const struct scree_rule *rule,
-                                      const struct lane_constants *m, int k, double step, const struct squeeze *at,
-                                      int i, struct squeezes *to) {
-    struct squeeze next = squeeze_on(laws, rule, m, k, at, at, so_soon * step);
-    put_squeeze(&next, i, k, to);
+                                      const struct lane_constants *m, int k, double step, int i, int soon,
+                                      struct squeezes *by) {
+    struct squeeze at = {.d = by->d[i][k], .u = by->u[i][k], .normal = by->normal[i][k]};
+    struct squeeze next = squeeze_on(laws, rule, m, k, &at, &at, so_soon * step);
+    put_squeeze(&next, soon, k, by);
 }
 
-/* One lane goes on by its time. `soon`: friction asks what comes behind its begin and its end. */
+/* One lane goes on by its time. */
 static SCREE_INLINE void squeeze_step(struct smooth_normal laws, const struct scree_rule *rule,
-                                      const struct lane_constants *m, int k, double step, int soon,
-                                      const struct course *c, struct rk_step *to, struct squeezes *by) {
+                                      const struct lane_constants *m, int k, double step, const struct course *c,
+                                      struct rk_step *to, struct squeezes *by) {
     double time = to->time[k], share = time * (1.0 / 6.0);
     struct squeeze first = squeeze_at(laws, rule, m, k, c->d[k], c->u[k]);
     struct squeeze second = squeeze_on(laws, rule, m, k, &first, &first, 0.5 * time);
@@ -186,9 +190,6 @@ static SCREE_INLINE void squeeze_step(struct smooth_normal laws, const struct sc
     put_squeeze(&third, 2, k, by);
     put_squeeze(&fourth, 3, k, by);
     put_squeeze(&end, 4, k, by);
-    if (!soon) return;
-    squeeze_soon(laws, rule, m, k, step, &first, SOON, by);
-    squeeze_soon(laws, rule, m, k, step, &end, SOON + 1, by);
 }
 
 /* ---- across it ---- */
@@ -203,22 +204,37 @@ struct stage {
     double limit, holds;    /* with which the slider slides, and what it holds, N */
 };
 
-/* What friction is made of at a stage whose overlap and normal force are set. */
+static SCREE_INLINE struct scree_pair_constants friction_pair_of(const struct lane_constants *m, int k) {
+    return (struct scree_pair_constants){
+        {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
+}
+
+static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at) {
+    return (struct scree_sliding){.normal = at->normal > 0.0 ? at->normal : 0.0,
+                                  .overlap = at->d,
+                                  .closing = at->u,
+                                  .velocity = at->slip,
+                                  .stretch = at->s,
+                                  .sliding = at->slides};
+}
+
+/* What a slider is made of at a stage whose overlap and normal force are set. */
 static SCREE_INLINE void brace_stage(struct smooth_friction laws, const struct scree_rule *rule,
                                      const struct lane_constants *m, int k, struct stage *at) {
     const struct scree_law_constants *law = &rule->friction_constants;
-    struct scree_pair_constants pair = {
-        {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
-    struct scree_hold hold = laws.hold(law, (struct scree_sliding){.normal = at->normal > 0.0 ? at->normal : 0.0,
-                                                                   .overlap = at->d,
-                                                                   .closing = at->u,
-                                                                   .velocity = at->slip,
-                                                                   .stretch = at->s,
-                                                                   .sliding = at->slides});
+    struct scree_pair_constants pair = friction_pair_of(m, k);
+    struct scree_hold hold = laws.hold(law, sliding_at(at));
     at->stiffness = laws.stiffness(law, pair, at->d);
     at->drag = laws.bare ? 0.0 : laws.damping(law, pair, at->d);
     at->limit = hold.slides;
     at->holds = hold.holds;
+}
+
+/* The force that remembers nothing. */
+static SCREE_INLINE void rub_stage(struct smooth_friction laws, const struct scree_rule *rule,
+                                   const struct lane_constants *m, int k, struct stage *at) {
+    at->force = laws.rub(&rule->friction_constants, friction_pair_of(m, k), sliding_at(at)).force;
+    at->stiffness = at->drag = at->limit = at->holds = 0.0;
 }
 
 static SCREE_INLINE struct stage stage_of(const struct squeezes *by, int i, int k) {
@@ -234,6 +250,10 @@ static SCREE_INLINE struct vec trial_at(const struct stage *at) {
  * shouldn't any more; a bare spring that slides has the stretch of its force. */
 static SCREE_INLINE void hold_stage(struct smooth_friction laws, const struct scree_rule *rule,
                                     const struct lane_constants *m, int k, struct stage *at) {
+    if (laws.rub) {
+        rub_stage(laws, rule, m, k, at);
+        return;
+    }
     brace_stage(laws, rule, m, k, at);
     struct vec trial = trial_at(at);
     at->force = vec_scale(-1.0, trial);
@@ -247,6 +267,10 @@ static SCREE_INLINE void hold_stage(struct smooth_friction laws, const struct sc
 static SCREE_INLINE void grip_stage(struct smooth_friction laws, const struct scree_rule *rule,
                                     const struct lane_constants *m, int k, const struct stage *first, double time,
                                     struct stage *at) {
+    if (laws.rub) {
+        rub_stage(laws, rule, m, k, at);
+        return;
+    }
     brace_stage(laws, rule, m, k, at);
     at->force = vec_scale(-1.0, trial_at(at));
     if (laws.all_stick) return;
@@ -296,6 +320,7 @@ static SCREE_INLINE double coarse_at(const struct lane_constants *m, int k, cons
 static SCREE_INLINE double holds_at(struct smooth_friction laws, const struct scree_rule *rule,
                                     const struct lane_constants *m, int k, double step, const struct stage *at,
                                     const struct squeezes *by, int soon) {
+    if (laws.rub) return 1.0;
     double bears = vec_norm(trial_at(at)), left = at->holds - bears;
     if (laws.all_stick) return left;
     if (!laws.bare) return at->slides > 0.0 ? bears - at->limit : left;
@@ -380,7 +405,7 @@ static SCREE_INLINE struct squeeze squeeze_tick(struct smooth_normal laws, const
 }
 
 static SCREE_INLINE void squeeze_by_clock(struct smooth_normal laws, const struct scree_rule *rule,
-                                          const struct lane_constants *m, int k, double step, double root, int soon,
+                                          const struct lane_constants *m, int k, double step, double root,
                                           const struct course *c, struct rk_step *to, struct squeezes *by) {
     const double sixth = 1.0 / 6.0, third = 2.0 / 6.0;
     double press = to->press[k], moment = to->press_moment[k], p = press, q = moment, before;
@@ -412,7 +437,6 @@ static SCREE_INLINE void squeeze_by_clock(struct smooth_normal laws, const struc
     to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &at);
     to->turns[1][k] = at.u;
     to->holds[1][k] = 1.0;
-    if (soon) squeeze_soon(laws, rule, m, k, step, &at, SOON + 1, by);
 }
 
 /* What friction has yielded since a time: impulses and their integrals, and where its slider is. */
@@ -523,8 +547,7 @@ static SCREE_INLINE double soften(struct smooth_normal laws, const struct scree_
 static SCREE_INLINE void stiffen(struct smooth_friction laws, const struct scree_rule *rule, double slope, int k,
                                  struct lane_constants *m, struct softness *to) {
     const struct scree_law_constants *law = &rule->friction_constants;
-    struct scree_pair_constants pair = {
-        {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
+    struct scree_pair_constants pair = friction_pair_of(m, k);
     double force = to->force[k], rate = m->rate[k], stiff = to->stiff[k], damped = to->damped[k];
     double steep = slope * (force > 0.0 ? force : 0.0) + laws.damping(law, pair, to->d[k]);
     double across = 2.0 * m->give_aside[k] * steep;

@@ -61,13 +61,17 @@ struct scree_values {
     double v[SCREE_PARAMETERS];
 };
 
-/* Exponents of a power. */
-enum scree_exponent { SCREE_ANY_EXPONENT, SCREE_ONE, SCREE_ONE_AND_HALF, SCREE_TWO };
+/* A power x^p: of the exponents that laws use most, x (one + half sqrt(x) + two x), in which one number is 1 and the
+ * others are zero; `known` tells whether p is one of them. */
+struct scree_exponent {
+    int known;
+    double one, half, two;
+};
 
 /* Constants of a law for one pair of materials, made once from the parameters. */
 struct scree_law_constants {
     double c[SCREE_LAW_CONSTANTS];
-    enum scree_exponent exponent;          /* of a law that `raises` */
+    struct scree_exponent exponent;        /* of a law that `raises` */
     const struct scree_force_table *table; /* of the law "table"; belongs to the rule */
 };
 
@@ -183,7 +187,6 @@ struct scree_friction_law {
     int in_force;    /* of a slider: what is kept isn't the stretch but the force of its spring, N */
     int rescaled;    /* of such a force: it falls with the stiffness, sqrt(d), while the overlap does */
     int takes_roots; /* `grip` takes scree_roots */
-    int raises;      /* as of a normal law */
     int root;        /* the stiffness sets in like this root of the overlap; 0: otherwise */
     scree_status (*bake)(const struct scree_values *values, struct scree_law_constants *law, scree_trouble *trouble);
     /* As for normal laws; only the first two constants count. NULL: there are none. */
@@ -294,35 +297,29 @@ static inline double scree_zero(const struct scree_law_constants *law) {
     return 0.0;
 }
 
-static inline enum scree_exponent scree_exponent_of(double p) {
-    return p == 1.0 ? SCREE_ONE : p == 1.5 ? SCREE_ONE_AND_HALF : p == 2.0 ? SCREE_TWO : SCREE_ANY_EXPONENT;
+static inline struct scree_exponent scree_exponent_of(double p) {
+    int one = p == 1.0, half = p == 1.5, two = p == 2.0;
+    return (struct scree_exponent){one || half || two, one, half, two};
 }
 
-/* x^p for x >= 0; the exponents that laws use most take the short way. */
-static SCREE_INLINE double scree_power(double x, double p, enum scree_exponent exponent) {
-    if (exponent == SCREE_ONE) return x;
-    if (exponent == SCREE_ONE_AND_HALF) return x * sqrt(x);
-    if (exponent == SCREE_TWO) return x * x;
-    return scree_pow(x, p);
+/* x^p for x >= 0. */
+static SCREE_INLINE double scree_power(double x, double p, struct scree_exponent exponent) {
+    if (!exponent.known) return scree_pow(x, p);
+    return x * (exponent.one + exponent.half * sqrt(x) + exponent.two * x);
 }
 
-/* A loop over contacts with the constants of a law, a copy whose exponent is made known to the compiler: a choice
- * inside the loop would keep it from making vectors. */
+/* A loop over contacts with the constants of a law, a copy that tells the compiler whether the exponent is known: a
+ * choice inside the loop would keep it from making vectors. */
 #define SCREE_FOR_EXPONENT(raises, constants, ...)                                                                     \
-    switch ((raises) ? (constants).exponent : SCREE_ANY_EXPONENT) {                                                    \
-    case SCREE_ONE:                                                                                                    \
-        (constants).exponent = SCREE_ONE;                                                                              \
-        __VA_ARGS__ break;                                                                                             \
-    case SCREE_ONE_AND_HALF:                                                                                           \
-        (constants).exponent = SCREE_ONE_AND_HALF;                                                                     \
-        __VA_ARGS__ break;                                                                                             \
-    case SCREE_TWO:                                                                                                    \
-        (constants).exponent = SCREE_TWO;                                                                              \
-        __VA_ARGS__ break;                                                                                             \
-    default:                                                                                                           \
-        (constants).exponent = SCREE_ANY_EXPONENT;                                                                     \
-        __VA_ARGS__ break;                                                                                             \
-    }
+    do {                                                                                                               \
+        if ((raises) && (constants).exponent.known) {                                                                  \
+            (constants).exponent.known = 1;                                                                            \
+            __VA_ARGS__                                                                                                \
+        } else {                                                                                                       \
+            (constants).exponent.known = 0;                                                                            \
+            __VA_ARGS__                                                                                                \
+        }                                                                                                              \
+    } while (0)
 
 /* Whether `x` lies between two numbers. */
 static inline int scree_between(double one, double other, double x) { return (one < x) != (other < x); }

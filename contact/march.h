@@ -8,12 +8,14 @@
 
 #include <stddef.h>
 
-/* Loops over the lanes of a vector, `from` on, with a normal law in them; `soon` as in lane.h. */
+/* Loops over the lanes of a vector, `from` on, with a normal law in them. */
 struct normal_loops {
-    void (*go)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, int soon,
+    void (*go)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step,
                const struct course *c, struct rk_step *to, struct squeezes *by);
     void (*tick)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, double root,
-                 int soon, const struct course *c, struct rk_step *to, struct squeezes *by);
+                 const struct course *c, struct rk_step *to, struct squeezes *by);
+    void (*soon)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step,
+                 struct squeezes *by);
     void (*rate)(const struct scree_rule *rule, struct lane_constants *m, int from, double step, struct course *c,
                  struct softness *to);
     void (*store)(const struct scree_rule *rule, const struct lane_constants *m, int from, const double *overlap,
@@ -41,8 +43,8 @@ struct friction_loops {
 
 /* The contacts of a rule in a step. */
 struct smooth_pass {
-    const struct normal_loops *normal;     /* NULL: the laws aren't smooth, all contacts are left to within.c */
-    const struct friction_loops *friction; /* NULL: there is none */
+    const struct normal_loops *normal;        /* NULL: the laws aren't smooth, all contacts are left to within.c */
+    const struct friction_loops *friction[2]; /* the second: where no slider slides; most stick in a bed */
     const struct scree_rule *rule;
     double step;
     double slope; /* of the friction law, s/m */
@@ -76,9 +78,12 @@ static int any_of(const double column[SCREE_LANES], int from) {
     return any;
 }
 
-/* Only bare springs that slide ask what comes soon; most sliders stick in a bed. */
-static int asks_soon(const struct smooth_pass *pass, const struct course *c, int from) {
-    return pass->rubs && !pass->damped && any_of(c->slides, from);
+/* Of a step that normal laws have made: what friction makes of it. Only bare springs that slide ask what comes soon. */
+static const struct friction_loops *friction_of(const struct smooth_pass *pass, const struct lane_constants *m,
+                                                int from, const struct course *c, struct squeezes *by) {
+    int slide = any_of(c->slides, from);
+    if (slide && !pass->damped) pass->normal->soon(pass->rule, m, from, pass->step, by);
+    return pass->friction[!slide];
 }
 
 /* All lanes go on by their times. */
@@ -86,8 +91,8 @@ static void step_lanes(const struct smooth_pass *pass, const struct lane_constan
                        struct rk_step *to) {
     struct squeezes by;
     for (int from = 0; from < padded(count); from += WIDTH) {
-        pass->normal->go(pass->rule, m, from, pass->step, asks_soon(pass, c, from), c, to, &by);
-        if (pass->rubs) pass->friction->go(pass->rule, m, from, pass->step, c, to, &by);
+        pass->normal->go(pass->rule, m, from, pass->step, c, to, &by);
+        if (pass->rubs) friction_of(pass, m, from, c, &by)->go(pass->rule, m, from, pass->step, c, to, &by);
     }
 }
 
@@ -96,8 +101,8 @@ static void tick_lanes(const struct smooth_pass *pass, const struct lane_constan
                        struct rk_step *to) {
     struct squeezes by;
     for (int from = 0; from < padded(count); from += WIDTH) {
-        pass->normal->tick(pass->rule, m, from, pass->step, pass->root, asks_soon(pass, c, from), c, to, &by);
-        if (pass->rubs) pass->friction->tick(pass->rule, m, from, pass->step, c, to, &by);
+        pass->normal->tick(pass->rule, m, from, pass->step, pass->root, c, to, &by);
+        if (pass->rubs) friction_of(pass, m, from, c, &by)->tick(pass->rule, m, from, pass->step, c, to, &by);
         for (int k = from; k < from + WIDTH; k++) to->sigma[k] += to->size[k];
     }
 }
@@ -107,7 +112,7 @@ static void rate_lanes(const struct smooth_pass *pass, int count, struct course 
     struct softness by;
     for (int from = 0; from < padded(count); from += WIDTH) {
         pass->normal->rate(pass->rule, m, from, pass->step, c, &by);
-        if (pass->rubs) pass->friction->rate(pass->rule, m, from, pass->slope, &by);
+        if (pass->rubs) pass->friction[0]->rate(pass->rule, m, from, pass->slope, &by);
     }
     SMOOTH_LOOP(rule_grid(pass->step, pass->substeps, k, &by, m);)
 }

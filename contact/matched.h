@@ -43,7 +43,7 @@ matched_force(const struct scree_law_constants *law, struct scree_pair_constants
     double d = at.overlap > 0.0 ? at.overlap : 0.0, power = scree_power(d, law->c[MATCHED_EXPONENT], law->exponent);
     double spring = law->c[MATCHED_STIFFNESS] * power;
     /* d^((p-1)/2) = sqrt(d^p/d), 1 at d = 0 for p = 1 and 0 otherwise. */
-    double root = law->exponent == SCREE_ONE ? 1.0 : sqrt(power / (d + SCREE_NO_SPEED));
+    double root = law->exponent.one > 0.0 ? 1.0 : sqrt(power / (d + SCREE_NO_SPEED));
     return (struct scree_normal_force){spring, pair.c[MATCHED_DAMPING] * root, spring, 0.0, 0.0};
 }
 

@@ -71,7 +71,7 @@ static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
         struct scree_law_constants constants = *law;                                                                   \
         SCREE_FOR_EXPONENT(scree_normal_##word.raises, constants,                                                      \
                            _Pragma("omp simd") for (int k = 0; k < padded(count); k++)                                 \
-                               normal_at_##word(b, k, &constants, pair, kept, step);)                                  \
+                               normal_at_##word(b, k, &constants, pair, kept, step););                                 \
     }
 SCREE_NORMAL_LAWS(NORMAL_PASS)
 
@@ -139,9 +139,8 @@ static inline void put_slider(struct block *b, int k, struct scree_slider slider
             for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half, 1);         \
             return;                                                                                                    \
         }                                                                                                              \
-        SCREE_FOR_EXPONENT(own->raises, constants,                                                                     \
-                           _Pragma("omp simd") for (int k = 0; k < padded(count); k++)                                 \
-                               friction_at_##word(b, k, &constants, pair, kept, half, 0);)                             \
+        _Pragma("omp simd")                                                                                            \
+        for (int k = 0; k < padded(count); k++) friction_at_##word(b, k, &constants, pair, kept, half, 0);             \
     }
 SCREE_FRICTION_LAWS(FRICTION_PASS)
 

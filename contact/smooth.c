@@ -28,30 +28,32 @@
     }
 #define SMOOTH_NORMAL(word)                                                                                            \
     __attribute__((flatten)) static void go_##word(const struct scree_rule *rule, const struct lane_constants *m,      \
-                                                   int from, double step, int soon, const struct course *c,            \
-                                                   struct rk_step *to, struct squeezes *by) {                          \
+                                                   int from, double step, const struct course *c, struct rk_step *to,  \
+                                                   struct squeezes *by) {                                              \
         const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
-        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            if (soon)                                                                                                  \
-                SMOOTH_VECTOR(squeeze_step(laws, &own, m, k, step, 1, c, to, by);)                                     \
-            else                                                                                                       \
-                SMOOTH_VECTOR(squeeze_step(laws, &own, m, k, step, 0, c, to, by);)                                     \
-        })                                                                                                             \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants,                                                          \
+                           SMOOTH_VECTOR(squeeze_step(laws, &own, m, k, step, c, to, by);));                           \
     }                                                                                                                  \
-    __attribute__((flatten)) static void tick_##word(                                                                  \
-        const struct scree_rule *rule, const struct lane_constants *m, int from, double step, double root, int soon,   \
-        const struct course *c, struct rk_step *to, struct squeezes *by) {                                             \
+    __attribute__((flatten)) static void tick_##word(const struct scree_rule *rule, const struct lane_constants *m,    \
+                                                     int from, double step, double root, const struct course *c,       \
+                                                     struct rk_step *to, struct squeezes *by) {                        \
+        const struct smooth_normal laws = NORMAL_OF(word);                                                             \
+        struct scree_rule own = *rule;                                                                                 \
+        if (laws.none) return;                                                                                         \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants,                                                          \
+                           SMOOTH_VECTOR(squeeze_by_clock(laws, &own, m, k, step, root, c, to, by);));                 \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void soon_##word(const struct scree_rule *rule, const struct lane_constants *m,    \
+                                                     int from, double step, struct squeezes *by) {                     \
         const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            if (soon)                                                                                                  \
-                SMOOTH_VECTOR(squeeze_by_clock(laws, &own, m, k, step, root, 1, c, to, by);)                           \
-            else                                                                                                       \
-                SMOOTH_VECTOR(squeeze_by_clock(laws, &own, m, k, step, root, 0, c, to, by);)                           \
-        })                                                                                                             \
+            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, 0, SOON, by);)                                          \
+            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, STAGES - 1, SOON + 1, by);)                             \
+        });                                                                                                            \
     }                                                                                                                  \
     __attribute__((flatten)) static void rate_##word(const struct scree_rule *rule, struct lane_constants *m,          \
                                                      int from, double step, struct course *c, struct softness *to) {   \
@@ -62,7 +64,7 @@
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
             SMOOTH_VECTOR(deeper[k] = soften(laws, &own, step, 0, k, c, m, to);)                                       \
             if (any_of(deeper, from)) SMOOTH_VECTOR(soften(laws, &own, step, 1, k, c, m, to);)                         \
-        })                                                                                                             \
+        });                                                                                                            \
     }                                                                                                                  \
     __attribute__((flatten)) static void store_##word(const struct scree_rule *rule, const struct lane_constants *m,   \
                                                       int from, const double *overlap, const double *closing,          \
@@ -71,60 +73,82 @@
         struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants,                                                          \
-                           SMOOTH_VECTOR(energy[k] = stored_at(laws, &own, m, k, overlap[k], closing[k]);))            \
+                           SMOOTH_VECTOR(energy[k] = stored_at(laws, &own, m, k, overlap[k], closing[k]);));           \
     }
 SCREE_NORMAL_LAWS(SMOOTH_NORMAL)
 
-/* A slider that keeps its force, or whose hold depends on the speed, isn't smooth. */
-#define SMOOTH_SLIDER(law) ((law).hold && !(law).in_force && !(law).band)
+/* Sliders that keep their stretch and hold the same at every speed; what remembers nothing is smooth, too. */
+#define SMOOTH_SLIDERS(LAW) LAW(coulomb) LAW(mindlin)
 
 #define SLIDER_OF(word, is_bare, sticks)                                                                               \
     {                                                                                                                  \
         .hold = scree_friction_##word.hold, .stiffness = scree_friction_##word.stiffness,                              \
-        .damping = scree_friction_##word.damping, .bare = is_bare, .all_stick = sticks,                                \
-        .none = !SMOOTH_SLIDER(scree_friction_##word)                                                                  \
+        .damping = scree_friction_##word.damping, .bare = is_bare, .all_stick = sticks                                 \
     }
-#define SMOOTH_FRICTION(word, how, is_bare)                                                                            \
-    __attribute__((flatten)) static void go_##word##how(const struct scree_rule *rule, const struct lane_constants *m, \
-                                                        int from, double step, struct course *c, struct rk_step *to,   \
-                                                        const struct squeezes *by) {                                   \
-        const struct smooth_friction laws = SLIDER_OF(word, is_bare, 0), sticking = SLIDER_OF(word, is_bare, 1);       \
+#define RUB_OF(word)                                                                                                   \
+    {                                                                                                                  \
+        .rub = friction_##word##_force, .stiffness = scree_friction_##word.stiffness,                                  \
+        .damping = scree_friction_##word.damping, .all_stick = 1, .none = scree_friction_##word.memory                 \
+    }
+
+/* Loops of a kind of friction. */
+#define SMOOTH_FRICTION(name, ...)                                                                                     \
+    __attribute__((flatten)) static void go_##name(const struct scree_rule *rule, const struct lane_constants *m,      \
+                                                   int from, double step, struct course *c, struct rk_step *to,        \
+                                                   const struct squeezes *by) {                                        \
+        const struct smooth_friction laws = __VA_ARGS__;                                                               \
         const struct scree_rule own = *rule;                                                                           \
         if (laws.none) return;                                                                                         \
-        if (any_of(c->slides, from))                                                                                   \
-            SMOOTH_VECTOR(rub_step(laws, &own, m, k, step, c, to, by);)                                                \
-        else                                                                                                           \
-            SMOOTH_VECTOR(rub_step(sticking, &own, m, k, step, c, to, by);)                                            \
+        SMOOTH_VECTOR(rub_step(laws, &own, m, k, step, c, to, by);)                                                    \
     }                                                                                                                  \
-    __attribute__((flatten)) static void tick_##word##how(                                                             \
-        const struct scree_rule *rule, const struct lane_constants *m, int from, double step, struct course *c,        \
-        struct rk_step *to, const struct squeezes *by) {                                                               \
-        const struct smooth_friction laws = SLIDER_OF(word, is_bare, 0), sticking = SLIDER_OF(word, is_bare, 1);       \
+    __attribute__((flatten)) static void tick_##name(const struct scree_rule *rule, const struct lane_constants *m,    \
+                                                     int from, double step, struct course *c, struct rk_step *to,      \
+                                                     const struct squeezes *by) {                                      \
+        const struct smooth_friction laws = __VA_ARGS__;                                                               \
         const struct scree_rule own = *rule;                                                                           \
         if (laws.none) return;                                                                                         \
-        if (any_of(c->slides, from))                                                                                   \
-            SMOOTH_VECTOR(rub_by_clock(laws, &own, m, k, step, c, to, by);)                                            \
-        else                                                                                                           \
-            SMOOTH_VECTOR(rub_by_clock(sticking, &own, m, k, step, c, to, by);)                                        \
+        SMOOTH_VECTOR(rub_by_clock(laws, &own, m, k, step, c, to, by);)                                                \
     }                                                                                                                  \
-    __attribute__((flatten)) static void rate_##word##how(const struct scree_rule *rule, struct lane_constants *m,     \
-                                                          int from, double slope, struct softness *to) {               \
-        const struct smooth_friction laws = SLIDER_OF(word, is_bare, 0);                                               \
+    __attribute__((flatten)) static void rate_##name(const struct scree_rule *rule, struct lane_constants *m,          \
+                                                     int from, double slope, struct softness *to) {                    \
+        const struct smooth_friction laws = __VA_ARGS__;                                                               \
         const struct scree_rule own = *rule;                                                                           \
         if (laws.none) return;                                                                                         \
         SMOOTH_VECTOR(stiffen(laws, &own, slope, k, m, to);)                                                           \
     }
-#define SMOOTH_EITHER(word) SMOOTH_FRICTION(word, _damped, 0) SMOOTH_FRICTION(word, _bare, 1)
-SCREE_FRICTION_LAWS(SMOOTH_EITHER)
+#define SMOOTH_SLIDER(word)                                                                                            \
+    SMOOTH_FRICTION(word##_damped, SLIDER_OF(word, 0, 0))                                                              \
+    SMOOTH_FRICTION(word##_damped_stuck, SLIDER_OF(word, 0, 1))                                                        \
+    SMOOTH_FRICTION(word##_bare, SLIDER_OF(word, 1, 0))                                                                \
+    SMOOTH_FRICTION(word##_bare_stuck, SLIDER_OF(word, 1, 1))
+#define SMOOTH_RUB(word) SMOOTH_FRICTION(word, RUB_OF(word))
+SMOOTH_SLIDERS(SMOOTH_SLIDER)
+SCREE_FRICTION_LAWS(SMOOTH_RUB)
 
-#define ENTRY(word) {go_##word, tick_##word, rate_##word, store_##word},
+#define ENTRY(word) {go_##word, tick_##word, soon_##word, rate_##word, store_##word},
 static const struct normal_loops smooth_normals[] = {SCREE_NORMAL_LAWS(ENTRY)};
 #undef ENTRY
-#define ENTRY(word)                                                                                                    \
-    {{go_##word##_damped, tick_##word##_damped, rate_##word##_damped},                                                 \
-     {go_##word##_bare, tick_##word##_bare, rate_##word##_bare}},
-static const struct friction_loops smooth_frictions[][2] = {SCREE_FRICTION_LAWS(ENTRY)}; /* with a dashpot; without */
+#define LOOPS(name)                                                                                                    \
+    { go_##name, tick_##name, rate_##name }
+#define ENTRY(word) LOOPS(word),
+static const struct friction_loops smooth_rubs[] = {SCREE_FRICTION_LAWS(ENTRY)};
 #undef ENTRY
+#define ENTRY(word)                                                                                                    \
+    {FRICTION_##word,                                                                                                  \
+     {{LOOPS(word##_damped), LOOPS(word##_damped_stuck)}, {LOOPS(word##_bare), LOOPS(word##_bare_stuck)}}},
+static const struct {
+    int friction;
+    struct friction_loops loops[2][2]; /* with a dashpot; without; and where all sliders stick */
+} smooth_sliders[] = {SMOOTH_SLIDERS(ENTRY)};
+#undef ENTRY
+
+/* NULL: there are none. `stuck`: no slider slides. */
+static const struct friction_loops *friction_loops_of(int friction, int bare, int stuck) {
+    if (!scree_friction_laws[friction]->memory) return &smooth_rubs[friction];
+    for (size_t k = 0; k < sizeof smooth_sliders / sizeof *smooth_sliders; k++)
+        if (smooth_sliders[k].friction == friction) return &smooth_sliders[k].loops[bare][stuck];
+    return NULL;
+}
 
 static int is_bare(const struct scree_rule *rule, const struct scree_batch *batch, int first) {
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
@@ -146,10 +170,10 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
     pass.normal = &smooth_normals[rule->normal];
     if (!rubs) return pass;
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
-    int bare = SMOOTH_SLIDER(*friction) && is_bare(rule, batch, first);
-    if (!SMOOTH_SLIDER(*friction) || !normal->turns_smoothly) pass.normal = NULL;
-    pass.friction = &smooth_frictions[rule->friction][bare];
-    pass.damped = !bare;
+    int slider = friction->hold != NULL, bare = slider && is_bare(rule, batch, first);
+    for (int stuck = 0; stuck < 2; stuck++) pass.friction[stuck] = friction_loops_of(rule->friction, bare, stuck);
+    if (!pass.friction[0] || !normal->turns_smoothly) pass.normal = NULL;
+    pass.damped = slider && !bare;
     pass.slope = friction->slope(&rule->friction_constants);
     if (friction->root > pass.root) pass.root = friction->root;
     return pass;

@@ -724,10 +724,11 @@ static const char *example_to_power(const struct scree_law_text *text, double ex
     return choice;
 }
 
-/* The loop knows some exponents beforehand: each law that takes one says which it is, and loop and law agree. */
+/* The loop knows some exponents beforehand, if the law says that it takes one: loop and law agree at these and others.
+ */
 static void test_exponents(void) {
+    static const char linear[] = "law = \"linear\", stiffness = 1e4, restitution = 0.5";
     static const double exponents[] = {1.0, 1.5, 2.0, 1.37};
-    static const enum scree_exponent known[] = {SCREE_ONE, SCREE_ONE_AND_HALF, SCREE_TWO, SCREE_ANY_EXPONENT};
     char choice[480];
     int laws = 0;
     for (int n = 0; scree_normal_laws[n]; n++) {
@@ -736,25 +737,20 @@ static void test_exponents(void) {
         laws += takes_exponent(text);
         for (int k = 0; takes_exponent(text) && k < 4; k++) {
             scree_scene *scene = pressed_pairs(example_to_power(text, exponents[k], choice), NULL, NULL, 1, 0);
-            CHECK(scene->contacts.rule[0].normal_constants.exponent == known[k]);
+            CHECK(scene->contacts.rule[0].normal_constants.exponent.known == (k < 3));
             scree_scene_destroy(scene);
             check_laws(choice, NULL, NULL, 37, 0);
         }
     }
     for (int f = 0; scree_friction_laws[f]; f++) {
         const struct scree_law_text *text = &scree_friction_laws[f]->text;
-        CHECK(scree_friction_laws[f]->raises == takes_exponent(text));
         laws += takes_exponent(text);
-        for (int k = 0; takes_exponent(text) && k < 4; k++) {
-            const char *friction = example_to_power(text, exponents[k], choice);
-            static const char linear[] = "law = \"linear\", stiffness = 1e4, restitution = 0.5";
-            scree_scene *scene = pressed_pairs(linear, friction, NULL, 1, 0);
-            CHECK(scene->contacts.rule[0].friction_constants.exponent == known[k]);
-            scree_scene_destroy(scene);
-            check_laws(linear, friction, NULL, 37, 0);
-        }
+        for (int k = 0; takes_exponent(text) && k < 4; k++)
+            check_laws(linear, example_to_power(text, exponents[k], choice), NULL, 37, 0);
     }
     CHECK(laws >= 14);
+    for (int k = 0; k < 3; k++)
+        NEAR(scree_power(1.7, exponents[k], scree_exponent_of(exponents[k])), pow(1.7, exponents[k]), 1e-15);
 }
 
 int main(void) {
