@@ -412,6 +412,21 @@ static void test_oblique(void) {
         {"normal = { law=\"tsuji-cut\", stiffness=5e6, restitution=0.5 }\nfriction = { law=\"mindlin-rescaled\", "
          "static=0.3, kinetic=0.3, shear_modulus=8e6, damping=0.2 }",
          1.83e-3, 0},
+        {"normal = { law=\"kuwabara-kono-cut\", stiffness=5e6, restitution=0.5, speed=1.0 }\nfriction = { "
+         "law=\"mindlin\", static=0.3, kinetic=0.3, shear_modulus=8e6 }",
+         1.8e-3, 2},
+        {"normal = { law=\"hunt-crossley\", stiffness=5e6, exponent=1.4, restitution=0.5, speed=1.0 }\n"
+         "friction = { law=\"mindlin\", static=0.3, kinetic=0.3, shear_modulus=8e6 }",
+         1.8e-3, 2},
+        {"normal = { law=\"matched-cut\", stiffness=5e6, exponent=1.5, restitution=0.5 }\nfriction = { "
+         "law=\"coulomb\", static=0.3, kinetic=0.3, stiffness=8e4 }",
+         1.83e-3, 2},
+        {"normal = { law=\"linear-cut\", stiffness=1e5, restitution=0.5 }\nfriction = { law=\"tanh\", kinetic=0.3, "
+         "threshold=0.1 }",
+         1.77e-3, 2},
+        {"normal = { law=\"tsuji-cut\", stiffness=5e6, restitution=0.5 }\nfriction = { law=\"tanh\", kinetic=0.3, "
+         "threshold=0.1 }",
+         1.83e-3, 2},
     };
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
         double fine[12][2], plain[2];
