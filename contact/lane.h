@@ -385,18 +385,23 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
 
 /* ---- where the force sets in as a root of the overlap ---- */
 
+/* What a contact has yielded along the normal since a time: impulse, N s, and its integral, N s^2. */
+struct pressed {
+    double press, moment;
+};
+
 /* Behind a begin or before an end time goes like sigma^p, so that force and motion are smooth in sigma; impulses and
- * their moments themselves are the states. One step in sigma; of size 0: nothing. A stage at so much of it: `clock` is
- * the number whose powers count, 1 for p = 4 and 0 for p = 2. */
+ * their moments themselves are the states. One step in sigma; of size 0: nothing. A stage at so much of it;
+ * `root`: p, 2 or 4. */
 static SCREE_INLINE struct squeeze squeeze_tick(struct smooth_normal laws, const struct scree_rule *rule,
                                                 const struct lane_constants *m, int k, double root,
                                                 const struct course *c, const struct rk_step *to, double node,
-                                                double press, double moment, int i, struct squeezes *by) {
+                                                struct pressed now, int i, struct squeezes *by) {
     double cubic = root > 3.0 ? 1.0 : 0.0, sigma = to->sigma[k] + node * to->size[k];
     double lower = (cubic * (sigma * sigma) + (1.0 - cubic)) * sigma; /* sigma^(p-1) */
     double t = to->offset[k] + to->span[k] * lower * sigma;
-    double u = c->u[k] + (t * m->closing[k] - m->give[k] * press);
-    double d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * moment));
+    double u = c->u[k] + (t * m->closing[k] - m->give[k] * now.press);
+    double d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * now.moment));
     struct squeeze at = squeeze_at(laws, rule, m, k, d, u);
     by->since[i][k] = t;
     by->along[i][k] = to->size[k] * to->span[k] * root * lower;
@@ -404,36 +409,33 @@ static SCREE_INLINE struct squeeze squeeze_tick(struct smooth_normal laws, const
     return at;
 }
 
+/* What follows from the rates at a stage, `now`, by a share of the step. */
+static SCREE_INLINE struct pressed press_on(struct pressed from, double share, const struct squeeze *at,
+                                            struct pressed now) {
+    return (struct pressed){from.press + share * at->normal, from.moment + share * now.press};
+}
+
 static SCREE_INLINE void squeeze_by_clock(struct smooth_normal laws, const struct scree_rule *rule,
                                           const struct lane_constants *m, int k, double step, double root,
                                           const struct course *c, struct rk_step *to, struct squeezes *by) {
     const double sixth = 1.0 / 6.0, third = 2.0 / 6.0;
-    double press = to->press[k], moment = to->press_moment[k], p = press, q = moment, before;
-    struct squeeze at = squeeze_tick(laws, rule, m, k, root, c, to, 0.0, p, q, 0, by);
-    double end_press = press + sixth * by->along[0][k] * at.normal, end_moment = moment + sixth * by->along[0][k] * p;
-    before = p;
-    p = press + 0.5 * by->along[0][k] * at.normal;
-    q = moment + 0.5 * by->along[0][k] * before;
-    at = squeeze_tick(laws, rule, m, k, root, c, to, 0.5, p, q, 1, by);
-    end_press += third * by->along[1][k] * at.normal;
-    end_moment += third * by->along[1][k] * p;
-    before = p;
-    p = press + 0.5 * by->along[1][k] * at.normal;
-    q = moment + 0.5 * by->along[1][k] * before;
-    at = squeeze_tick(laws, rule, m, k, root, c, to, 0.5, p, q, 2, by);
-    end_press += third * by->along[2][k] * at.normal;
-    end_moment += third * by->along[2][k] * p;
-    before = p;
-    p = press + by->along[2][k] * at.normal;
-    q = moment + by->along[2][k] * before;
-    at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, p, q, 3, by);
-    end_press += sixth * by->along[3][k] * at.normal;
-    end_moment += sixth * by->along[3][k] * p;
-    at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, end_press, end_moment, 4, by);
+    struct pressed start = {to->press[k], to->press_moment[k]}, end, first, second, last;
+    struct squeeze at = squeeze_tick(laws, rule, m, k, root, c, to, 0.0, start, 0, by);
+    end = press_on(start, sixth * by->along[0][k], &at, start);
+    first = press_on(start, 0.5 * by->along[0][k], &at, start);
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 0.5, first, 1, by);
+    end = press_on(end, third * by->along[1][k], &at, first);
+    second = press_on(start, 0.5 * by->along[1][k], &at, first);
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 0.5, second, 2, by);
+    end = press_on(end, third * by->along[2][k], &at, second);
+    last = press_on(start, by->along[2][k], &at, second);
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, last, 3, by);
+    end = press_on(end, sixth * by->along[3][k], &at, last);
+    at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, end, 4, by);
     to->d[k] = at.d;
     to->u[k] = at.u;
-    to->press[k] = end_press;
-    to->press_moment[k] = end_moment;
+    to->press[k] = end.press;
+    to->press_moment[k] = end.moment;
     to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &at);
     to->turns[1][k] = at.u;
     to->holds[1][k] = 1.0;

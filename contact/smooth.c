@@ -1,6 +1,7 @@
 /* Contacts of two spheres, or of one with a plane or a frozen sphere, that go through a step of the pair-impulse method
  * several at once. What they do is what within.c does, in numbers instead of matrices (lane.h): contact begins, breaks
- * loose, turns round, ends and begins again inside the step, and each of these instants is located (march.h).
+ * loose, turns round, ends and begins again inside the step, and each of these instants is located (march.h). Normal
+ * laws that keep nothing go so, alone or with a friction law that keeps nothing or is a slider (SMOOTH_SLIDERS).
  *
  * Most contacts of a bed touch all through the step, and nothing happens to them: these go straight, in loops from the
  * bodies to what is yielded. The others are drawn together. Few are left to within.c: contacts that may be pushed
