@@ -5,8 +5,6 @@
 
 #include "bodies/balls.h"
 
-#include <string.h>
-
 /* A bound of the way of a ball in the step, if the impulses (sizes, N s) of the last two go on or are extrapolated;
  * `fall`: size of gravity, m/s^2. Its own turning moves no surface. */
 static inline double scree_ball_range(double speed, double inverse_mass, double last, double before, double fall,
@@ -16,10 +14,12 @@ static inline double scree_ball_range(double speed, double inverse_mass, double 
 
 /* The impulses of a step that is over become past. */
 static inline void scree_settle_past(struct scree_past *past, const struct scree_record *record) {
-    memcpy(past->impulse[1], past->impulse[0], sizeof past->impulse[0]);
-    memcpy(past->turn[1], past->turn[0], sizeof past->turn[0]);
-    memcpy(past->impulse[0], record->impulse, sizeof past->impulse[0]);
-    memcpy(past->turn[0], record->turn, sizeof past->turn[0]);
+    for (int k = 0; k < 3; k++) {
+        past->impulse[1][k] = past->impulse[0][k];
+        past->turn[1][k] = past->turn[0][k];
+        past->impulse[0][k] = record->impulse[k];
+        past->turn[0][k] = record->turn[k];
+    }
 }
 
 #ifdef __AVX__

@@ -103,6 +103,7 @@ struct squeezes {
 
 /* Before the step: what of the normal law friction adds to. */
 struct softness {
+    double may_deepen[SCREE_LANES];                 /* 1: it may get deeper than it is */
     double d[SCREE_LANES], deep[SCREE_LANES];       /* overlap at the start, and at most, m */
     double force[SCREE_LANES], most[SCREE_LANES];   /* at the start, and at most but for damping, N */
     double stiff[SCREE_LANES], damped[SCREE_LANES]; /* 1/s^2, 1/s */
@@ -512,10 +513,10 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
 
 /* How stiff the normal law is, and the rate at which it damps at the start. It gets as deep as the step takes it, or as
  * far as its speed can press a spring between linear and Hertz's: no deeper than it is if that is more than it can
- * press along all of its way with the force that it has now. `deepens` 0: as if it got no deeper than it is; returns 1
+ * press along all of its way with the force that it has now. `deepens` 0: as if it got no deeper than it is; tells
  * where it may. Odd are contacts that overlap still after their end. */
-static SCREE_INLINE double soften(struct smooth_normal laws, const struct scree_rule *rule, double step, int deepens,
-                                  int k, struct course *c, struct lane_constants *m, struct softness *to) {
+static SCREE_INLINE void soften(struct smooth_normal laws, const struct scree_rule *rule, double step, int deepens,
+                                int k, struct course *c, struct lane_constants *m, struct softness *to) {
     double d = (c->d[k] > 0.0 ? c->d[k] : 0.0) + SCREE_NO_SPEED, u = c->u[k], way = d + step * fabs(u), deep = d;
     struct scree_normal_force f = press_at(laws, rule, m, k, d, u), g = f;
     double force = f.elastic + f.damping * u, can = 1.25 * u * u;
@@ -535,14 +536,14 @@ static SCREE_INLINE double soften(struct smooth_normal laws, const struct scree_
     to->stiff[k] = m->give[k] * 1.5 * fabs(g.elastic) / deep;
     c->odd[k] = 0.0;
     m->pushes[0][k] = m->pushes[1][k] = 0.0;
-    if (!laws.cut) return more;
+    to->may_deepen[k] = more;
+    if (!laws.cut) return;
     double later = d + step * u, deeper = later > 0.0 ? later : 0.0;
     struct scree_normal_force then = press_at(laws, rule, m, k, deeper, u);
     double softness = 1.5 * then.elastic / (deeper + SCREE_NO_SPEED);
     m->pushes[0][k] = then.elastic + then.damping * u;
     m->pushes[1][k] = step * (then.damping + step * softness);
     c->odd[k] = c->d[k] > 0.0 && !(force > 0.0) ? 1.0 : 0.0;
-    return more;
 }
 
 /* The same of friction, which has the slope (s/m): whichever is more. */

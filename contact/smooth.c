@@ -60,11 +60,10 @@
                                                      int from, double step, struct course *c, struct softness *to) {   \
         const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
-        double deeper[SCREE_LANES];                                                                                    \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            SMOOTH_VECTOR(deeper[k] = soften(laws, &own, step, 0, k, c, m, to);)                                       \
-            if (any_of(deeper, from)) SMOOTH_VECTOR(soften(laws, &own, step, 1, k, c, m, to);)                         \
+            SMOOTH_VECTOR(soften(laws, &own, step, 0, k, c, m, to);)                                                   \
+            if (any_of(to->may_deepen, from)) SMOOTH_VECTOR(soften(laws, &own, step, 1, k, c, m, to);)                 \
         });                                                                                                            \
     }                                                                                                                  \
     __attribute__((flatten)) static void store_##word(const struct scree_rule *rule, const struct lane_constants *m,   \

@@ -428,6 +428,7 @@ expect 'rows of the second half' test "$(rows_of rows2)" = '0.01 0.012 0.015 0.0
 bounce --quiet --set time.step=1e-4 --set time.end=0.002 --set output.every=1e18 -o rows3
 expect 'rows farther apart than the run is long' test "$(rows_of rows3)" = '0 0.002 '
 check 'rows closer than the step' 2 'closer than the step' bounce --set time.step=1e-4 --set output.every=1e-300
+check 'more rows than steps can be' 2 'rows every 1e-300 s up to t = ' bounce --set 'time.step="auto"' --set output.every=1e-300
 check 'more frames than numbers' 2 'would be 1e+07; the most is 999999' "$scree" check "$scenes/bounce.toml" --set output.every=1e-7
 check 'a run for ever' 2 'the most is 1e+15' bounce --set time.end=1e300
 check 'check of a run for ever' 2 'the most is 1e+15' "$scree" check "$scenes/bounce.toml" --set time.end=1e300
@@ -557,6 +558,8 @@ mkdir "$work/bad"
 printf '#!/bin/sh\nfor script; do echo "<svg>" >"${script%%.gp}.svg"; done\nexit 1\n' >"$work/bad/gnuplot"
 chmod +x "$work/bad/gnuplot"
 check 'figures when gnuplot fails' 1 'failed on 2 of the plots' env PATH="$work/bad:$PATH" "$scree" reproduce -o "$work/unplotted" 8 9
+check 'impact: gnuplot fails' 1 'failed on 2 of the plots' env PATH="$work/bad:$PATH" "$scree" impact --law 'hertz modulus=1e8' \
+    --sweep speed=1:2:3 -o "$work/unplotted"
 nothing_left "$work/unplotted/fig_8.svg"
 expect 'all data are there when it fails' test -s "$work/unplotted/fig_8.csv" -a -s "$work/unplotted/fig_9.csv" -a -s "$work/unplotted/report.csv"
 if command -v gnuplot >/dev/null; then

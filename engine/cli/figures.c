@@ -1,6 +1,7 @@
 /* What the figures of `scree reproduce` share. */
 #include "engine/cli/figures.h"
 
+#include "engine/cli/cli.h"
 #include "engine/scene.h"
 #include "engine/scene_file.h"
 
@@ -244,4 +245,10 @@ scree_status figures_plot(struct figures *figures, const char *name, const char 
     free(plot);
     free(path);
     return status;
+}
+
+int figures_unplotted(const struct figures *figures) {
+    if (figures->unplotted)
+        cli_complain("gnuplot failed on %d of the plots: their data and scripts are there", figures->unplotted);
+    return figures->unplotted;
 }

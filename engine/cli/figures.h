@@ -126,4 +126,7 @@ scree_status figures_keep(struct figures *figures, struct figures_tables *tables
 /* Write NAME.gp (a fixed head, then `script`) and let gnuplot draw NAME.svg by it. The script stays beside the data. */
 scree_status figures_plot(struct figures *figures, const char *name, const char *script);
 
+/* How many plots gnuplot failed on; if any, it complains. */
+int figures_unplotted(const struct figures *figures);
+
 #endif

@@ -353,7 +353,7 @@ int cli_fit(int count, char **words) {
     if (!status) status = work(&p);
     scree_leave_c_locale(locale);
     if (status) cli_complain("%s", p.output.trouble.text);
-    code = status ? cli_exit_code(status) : is_good(&p) ? EXIT_GOOD : EXIT_MISSED;
+    code = status ? cli_exit_code(status) : is_good(&p) && !figures_unplotted(&p.output) ? EXIT_GOOD : EXIT_MISSED;
     fit_free_result(&p.result);
     fit_file_free(&p.file);
     free(p.tables.out);

@@ -70,6 +70,7 @@ struct setting {
     int laws, frictions;
     struct sweep sweep;
     int unfinished; /* some impacts couldn't be followed */
+    int unplotted;  /* plots that gnuplot failed on */
     double deepest; /* overlap over half a half-width, the largest of all */
     scree_trouble trouble;
 };
@@ -443,6 +444,7 @@ static scree_status write_folder(struct setting *s, const char *folder) {
     if (!status) status = plot_loops(s, &figures);
     if (status) s->trouble = figures.trouble;
     if (!status) printf("written to %s\n", folder);
+    if (!status) s->unplotted = figures_unplotted(&figures);
     return status;
 }
 
@@ -545,5 +547,5 @@ int cli_impact(int count, char **words) {
     if (!status && s.deepest > 1.0)
         cli_complain("the largest overlap is %.3g times half a half-width of the body: a scene would be stopped there",
                      s.deepest);
-    return status ? cli_exit_code(status) : s.unfinished ? EXIT_MISSED : EXIT_GOOD;
+    return status ? cli_exit_code(status) : s.unfinished || s.unplotted ? EXIT_MISSED : EXIT_GOOD;
 }

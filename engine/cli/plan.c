@@ -718,5 +718,5 @@ int cli_plan(int count, char **words) {
     if (status) cli_complain("%s", p.output.trouble.text);
     transport_file_free(&p.file);
     free(named);
-    return status ? cli_exit_code(status) : p.failed ? EXIT_MISSED : EXIT_GOOD;
+    return status ? cli_exit_code(status) : p.failed || figures_unplotted(&p.output) ? EXIT_MISSED : EXIT_GOOD;
 }

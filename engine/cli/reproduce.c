@@ -191,7 +191,5 @@ int cli_reproduce(int count, char **words) {
     double seconds = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
     printf("%d of %d bounds met, in %.1f s; written to %s\n", figures.rows - figures.missed, figures.rows, seconds,
            folder);
-    if (figures.unplotted)
-        cli_complain("gnuplot failed on %d of the plots: their data and scripts are there", figures.unplotted);
-    return figures.missed || figures.unplotted ? EXIT_MISSED : EXIT_GOOD;
+    return figures_unplotted(&figures) || figures.missed ? EXIT_MISSED : EXIT_GOOD;
 }
