@@ -944,12 +944,16 @@ static void test_neighbours(void) {
         "normal = { law = \"tsuji-cut\", modulus = 7e7, restitution = 0.7 }\n"
         "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.3, shear_modulus = 3.5e7, damping = 0.1 }",
         "normal = { law = \"hertz\", modulus = 7e7 }\n"
-        "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e4 }"};
+        "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e4 }",
+        "normal = { law = \"kuwabara-kono-cut\", modulus = 7e7, restitution = 0.7, speed = 0.5 }\n"
+        "friction = { law = \"tanh\", kinetic = 0.5, threshold = 0.1 }",
+        "normal = { law = \"hunt-crossley\", stiffness = 1e6, exponent = 1.4, restitution = 0.7, speed = 0.5 }\n"
+        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.3, shear_modulus = 3.5e7 }"};
     for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
         scree_scene *together = grazing_pairs(laws[l], -1);
         go(together, 30);
         for (int k = 0; k < GRAZING; k++) {
-            char name[16];
+            char name[24];
             snprintf(name, sizeof name, "ball %d", k);
             scree_scene *alone = grazing_pairs(laws[l], k);
             go(alone, 30);
