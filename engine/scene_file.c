@@ -540,11 +540,11 @@ static void check_length(struct scree_reader *r) {
     double step = scree_scene_step_length(into(r)->scene);
     const struct scree_toml *every = scree_toml_get(scree_toml_get(r->root, "output"), "every");
     const struct scree_toml *end = scree_toml_get(scree_toml_get(r->root, "time"), "end");
-    int by_rows = into(r)->every > 0.0 && step <= into(r)->every && into(r)->every * most_steps < into(r)->end;
-    if (by_rows)
+    int too_many = into(r)->end / step > most_steps, by_rows = fabs(step - into(r)->every) <= 1e-9 * into(r)->every;
+    if (too_many && by_rows)
         scree_complain(r, every, "rows every %g s up to t = %g s ask for %.3g steps; the most is %g", into(r)->every,
                        into(r)->end, into(r)->end / into(r)->every, most_steps);
-    else if (into(r)->end / step > most_steps)
+    else if (too_many)
         scree_complain(r, end, "up to t = %g s it would take %.3g steps of %g s; the most is %g%s", into(r)->end,
                        into(r)->end / step, step, most_steps, stiffest_contact(into(r)->scene).text);
     /* 1e-9: the quotient of two numbers given in decimals. */
