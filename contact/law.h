@@ -71,7 +71,7 @@ struct scree_exponent {
 /* Constants of a law for one pair of materials, made once from the parameters. */
 struct scree_law_constants {
     double c[SCREE_LAW_CONSTANTS];
-    struct scree_exponent exponent;        /* of a law that `raises` */
+    struct scree_exponent exponent;        /* of a power that the law takes */
     const struct scree_force_table *table; /* of the law "table"; belongs to the rule */
 };
 

@@ -20,9 +20,9 @@ static const char help[] =
     "  fit FIT          parameters of a scene, adjusted to measured records, with confidence intervals\n"
     "  laws [NAME]      the catalogue of contact laws: formula, source, parameters\n"
     "\n"
-    "`scree COMMAND --help` tells more. Exit status: 0 success, 1 a result misses its bound or a simulation had to "
-    "stop,\n"
-    "2 wrong use, bad input or a file that can't be written, 130 or 143 a run interrupted by Ctrl-C or SIGTERM.\n";
+    "`scree COMMAND --help` tells more. Exit status: 0 success, 1 a result misses its bound, a simulation had to\n"
+    "stop or gnuplot failed, 2 wrong use, bad input or a file that can't be written,\n"
+    "130 or 143 a run interrupted by Ctrl-C or SIGTERM.\n";
 
 static const struct {
     const char *name;
