@@ -44,8 +44,8 @@ static SCREE_INLINE double hertz_spring(struct scree_pair_constants pair, double
     return pair.c[HERTZ_STIFFNESS] * overlap * root;
 }
 
-static inline double hertz_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                  struct scree_pressing at) {
+static SCREE_INLINE double hertz_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                        struct scree_pressing at) {
     (void)law;
     double d = at.overlap > 0.0 ? at.overlap : 0.0;
     return 0.4 * pair.c[HERTZ_STIFFNESS] * d * d * sqrt(d);

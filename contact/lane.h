@@ -18,6 +18,8 @@ typedef struct scree_tangential rub_law(const struct scree_law_constants *law, s
                                         struct scree_sliding at);
 typedef double stored_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
                           struct scree_pressing at);
+typedef int bends_law(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                      struct scree_pressing from, struct scree_pressing to);
 typedef double at_overlap(const struct scree_law_constants *law, struct scree_pair_constants pair, double overlap);
 
 /* The laws of a loop: constants where it is called, so that each is a loop of its own. What a normal law makes of a
@@ -26,7 +28,9 @@ typedef double at_overlap(const struct scree_law_constants *law, struct scree_pa
 struct smooth_normal {
     press_law *press;
     stored_law *stored;
+    bends_law *bends; /* NULL: one formula holds, but for a turn */
     int cut;
+    int memory;
     int raises; /* takes a power whose exponent is a parameter */
     int none;   /* it isn't smooth */
 };
@@ -63,6 +67,7 @@ struct course {
     double d[SCREE_LANES], u[SCREE_LANES];                          /* overlap, m; closing speed, m/s */
     double v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES]; /* m/s; 1/s; friction's memory */
     double slides[SCREE_LANES];
+    double kept[2][SCREE_LANES];                          /* what the normal law remembers */
     double rest[SCREE_LANES];                             /* of the step, that the contact still has before it, s */
     double press[SCREE_LANES], press_moment[SCREE_LANES]; /* N s, N s^2, about the end of the step */
     double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES];
@@ -80,7 +85,10 @@ struct rk_step {
     /* Until a slider that holds breaks loose, N, or one that slides holds, N or, of a bare spring, m/s; 1: there is
      * none. */
     double holds[2][SCREE_LANES];
-    double turns[2][SCREE_LANES]; /* until a law that isn't smooth there turns to another formula */
+    double turns[2][SCREE_LANES]; /* until approach turns into parting: the closing speed, m/s */
+    double pulls[2][SCREE_LANES]; /* until the contact pulls, N; 1: without friction, which ends there */
+    double bends[SCREE_LANES];    /* 1: the normal law changes its formula on the way */
+    double kept[2][SCREE_LANES];  /* what it remembers at the end */
     double d[SCREE_LANES], u[SCREE_LANES], v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES];
     double slides[SCREE_LANES];
     double press[SCREE_LANES], press_moment[SCREE_LANES];
@@ -91,8 +99,8 @@ struct rk_step {
     double offset[SCREE_LANES], span[SCREE_LANES], sigma[SCREE_LANES], size[SCREE_LANES];
 };
 
-/* Columns of the instants of a step: its four stages and its end, then one soon behind its begin and one behind its
- * end; as the normal law makes them, which is done before friction is. */
+/* Columns of the instants of a step: its four stages and its end, then one soon behind its begin and one shortly before
+ * its end; as the normal law makes them, which is done before friction is. */
 enum { STAGES = 5, SOON = STAGES, INSTANTS = STAGES + 2 };
 struct squeezes {
     double d[INSTANTS][SCREE_LANES], u[INSTANTS][SCREE_LANES], normal[INSTANTS][SCREE_LANES]; /* m, m/s, N */
@@ -111,29 +119,43 @@ struct softness {
 
 /* ---- along the normal ---- */
 
-/* An instant inside the step. */
+/* What the normal law remembers, of course or step: a piece of a step has the memory of its begin all along. */
+typedef double (*kept_columns)[SCREE_LANES];
+
+/* An instant inside the step; what the law would remember of it. */
 struct squeeze {
-    double d, u, normal, damping;
+    double d, u, normal, damping, first, second;
 };
 
+static SCREE_INLINE struct scree_pair_constants normal_pair_of(const struct lane_constants *m, int k) {
+    return (struct scree_pair_constants){{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
+}
+
+static SCREE_INLINE struct scree_pressing pressing_at(struct smooth_normal laws, const kept_columns kept, int k,
+                                                      double d, double u) {
+    if (!laws.memory) return scree_pressed(d, u, 0.0, 0.0);
+    return scree_pressed(d, u, kept[0][k], kept[1][k]);
+}
+
 static SCREE_INLINE struct scree_normal_force press_at(struct smooth_normal laws, const struct scree_rule *rule,
-                                                       const struct lane_constants *m, int k, double d, double u) {
-    struct scree_pair_constants pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
-    return laws.press(&rule->normal_constants, pair, scree_pressed(d, u, 0.0, 0.0));
+                                                       const struct lane_constants *m, const kept_columns kept, int k,
+                                                       double d, double u) {
+    return laws.press(&rule->normal_constants, normal_pair_of(m, k), pressing_at(laws, kept, k, d, u));
 }
 
 static SCREE_INLINE struct squeeze squeeze_at(struct smooth_normal laws, const struct scree_rule *rule,
-                                              const struct lane_constants *m, int k, double d, double u) {
-    struct scree_normal_force f = press_at(laws, rule, m, k, d, u);
-    return (struct squeeze){d, u, f.elastic + f.damping * u, f.damping};
+                                              const struct lane_constants *m, const kept_columns kept, int k, double d,
+                                              double u) {
+    struct scree_normal_force f = press_at(laws, rule, m, kept, k, d, u);
+    return (struct squeeze){d, u, f.elastic + f.damping * u, f.damping, f.first, f.second};
 }
 
 /* Where the rates of `at` lead in that time from the first stage. */
 static SCREE_INLINE struct squeeze squeeze_on(struct smooth_normal laws, const struct scree_rule *rule,
-                                              const struct lane_constants *m, int k, const struct squeeze *first,
-                                              const struct squeeze *at, double time) {
+                                              const struct lane_constants *m, const kept_columns kept, int k,
+                                              const struct squeeze *first, const struct squeeze *at, double time) {
     double d = first->d + time * at->u, u = first->u + time * (m->closing[k] - m->give[k] * at->normal);
-    return squeeze_at(laws, rule, m, k, d, u);
+    return squeeze_at(laws, rule, m, kept, k, d, u);
 }
 
 static SCREE_INLINE void put_squeeze(const struct squeeze *at, int i, int k, struct squeezes *to) {
@@ -150,32 +172,53 @@ static SCREE_INLINE double lasts_at(int cut, double give, double step, const str
     return at->d > 0.0 ? within : beyond;
 }
 
-/* So much of the step later the load on a slider is asked for once more. */
+/* So much of the step later, at its begin, or sooner, at its end, the load on a slider is asked for once more: inside
+ * the step, where its formula holds. */
 static const double so_soon = 1e-5;
 
+static SCREE_INLINE double soon_after(int i, double step) { return i == 0 ? so_soon * step : -so_soon * step; }
+
 static SCREE_INLINE void squeeze_soon(struct smooth_normal laws, const struct scree_rule *rule,
-                                      const struct lane_constants *m, int k, double step, int i, int soon,
-                                      struct squeezes *by) {
+                                      const struct lane_constants *m, int k, double step, struct course *c, int i,
+                                      int soon, struct squeezes *by) {
     struct squeeze at = {.d = by->d[i][k], .u = by->u[i][k], .normal = by->normal[i][k]};
-    struct squeeze next = squeeze_on(laws, rule, m, k, &at, &at, so_soon * step);
+    struct squeeze next = squeeze_on(laws, rule, m, c->kept, k, &at, &at, soon_after(i, step));
     put_squeeze(&next, soon, k, by);
+}
+
+/* Where a lane has come to, `at`, from the state of `c`: what the law remembers, and whether it has changed its formula
+ * on the way; where nothing moves to speak of, no force changes either. */
+static SCREE_INLINE void remember_squeeze(struct smooth_normal laws, const struct scree_rule *rule,
+                                          const struct lane_constants *m, int k, struct course *c,
+                                          const struct squeeze *at, struct rk_step *to) {
+    double d = c->d[k];
+    to->bends[k] = 0.0;
+    if (laws.bends) {
+        int bends = laws.bends(&rule->normal_constants, normal_pair_of(m, k), pressing_at(laws, c->kept, k, d, c->u[k]),
+                               pressing_at(laws, c->kept, k, at->d, at->u));
+        to->bends[k] = (bends & (fabs(at->d - d) > 1e-12 * d)) ? 1.0 : 0.0;
+    }
+    if (!laws.memory) return;
+    to->kept[0][k] = at->first;
+    to->kept[1][k] = at->second;
 }
 
 /* One lane goes on by its time. */
 static SCREE_INLINE void squeeze_step(struct smooth_normal laws, const struct scree_rule *rule,
-                                      const struct lane_constants *m, int k, double step, const struct course *c,
+                                      const struct lane_constants *m, int k, double step, struct course *c,
                                       struct rk_step *to, struct squeezes *by) {
     double time = to->time[k], share = time * (1.0 / 6.0);
-    struct squeeze first = squeeze_at(laws, rule, m, k, c->d[k], c->u[k]);
-    struct squeeze second = squeeze_on(laws, rule, m, k, &first, &first, 0.5 * time);
-    struct squeeze third = squeeze_on(laws, rule, m, k, &first, &second, 0.5 * time);
-    struct squeeze fourth = squeeze_on(laws, rule, m, k, &first, &third, time);
+    struct squeeze first = squeeze_at(laws, rule, m, c->kept, k, c->d[k], c->u[k]);
+    struct squeeze second = squeeze_on(laws, rule, m, c->kept, k, &first, &first, 0.5 * time);
+    struct squeeze third = squeeze_on(laws, rule, m, c->kept, k, &first, &second, 0.5 * time);
+    struct squeeze fourth = squeeze_on(laws, rule, m, c->kept, k, &first, &third, time);
     double inner = second.normal + third.normal;
     double impulse = share * ((first.normal + fourth.normal) + 2.0 * inner);
     double moment = share * time * (first.normal + inner);
     double u = first.u + (time * m->closing[k] - m->give[k] * impulse);
     double d = first.d + (time * first.u + (0.5 * time * time * m->closing[k] - m->give[k] * moment));
-    struct squeeze end = squeeze_at(laws, rule, m, k, d, u);
+    struct squeeze end = squeeze_at(laws, rule, m, c->kept, k, d, u);
+    remember_squeeze(laws, rule, m, k, c, &end, to);
     to->press[k] = impulse;
     to->press_moment[k] = moment;
     to->d[k] = d;
@@ -184,6 +227,7 @@ static SCREE_INLINE void squeeze_step(struct smooth_normal laws, const struct sc
     to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &end);
     to->turns[0][k] = first.u;
     to->turns[1][k] = u;
+    to->pulls[0][k] = to->pulls[1][k] = 1.0;
     to->holds[0][k] = to->holds[1][k] = 1.0;
     to->coarse[k] = 0.0;
     put_squeeze(&first, 0, k, by);
@@ -283,6 +327,28 @@ static SCREE_INLINE void grip_stage(struct smooth_friction laws, const struct sc
     at->force = at->slides > 0.0 ? vec_scale(-1.0, drawn.carries) : at->force;
 }
 
+static SCREE_INLINE struct vec vec_middle(struct vec a, struct vec b) { return vec_scale(0.5, vec_add(a, b)); }
+
+/* The stretch behind a dashpot at the end of a step, reached from the first stage in one go, once more by way of its
+ * middle: what both err by goes like the third power of their parts (Richardson's extrapolation). The middle is that of
+ * the two inner stages, either of which errs by as much to its own side. */
+static SCREE_INLINE void redraw(struct smooth_friction laws, const struct stage *second, const struct stage *third,
+                                double early, double time, struct stage *at) {
+    if (laws.rub || laws.bare || laws.all_stick) return;
+    struct scree_drawn before = {.k = 0.5 * (second->stiffness + third->stiffness),
+                                 .drag = 0.5 * (second->drag + third->drag),
+                                 .limit = 0.5 * (second->limit + third->limit),
+                                 .slip = vec_middle(second->slip, third->slip),
+                                 .carries = vec_scale(-1.0, vec_middle(second->force, third->force)),
+                                 .stretch = vec_middle(second->s, third->s)};
+    struct scree_drawn drawn = {.k = at->stiffness, .drag = at->drag, .limit = at->limit, .slip = at->slip};
+    double late = time - early, parts = early * early * early + late * late * late;
+    scree_draw_on(&before, 1.0, late, 0, &drawn);
+    double share = parts / (time * time * time - parts + SCREE_NO_SPEED); /* s^3, too */
+    struct vec better = vec_axpy(drawn.stretch, share, vec_sub(drawn.stretch, at->s));
+    at->s = at->slides > 0.0 ? better : at->s;
+}
+
 /* Where the rates of `at` lead in that time from the first stage. */
 static SCREE_INLINE void rub_on(struct smooth_friction laws, const struct scree_rule *rule,
                                 const struct lane_constants *m, int k, const struct stage *first,
@@ -320,17 +386,23 @@ static SCREE_INLINE double coarse_at(const struct lane_constants *m, int k, cons
  * stretch grows that its load, `soon`, allows. */
 static SCREE_INLINE double holds_at(struct smooth_friction laws, const struct scree_rule *rule,
                                     const struct lane_constants *m, int k, double step, const struct stage *at,
-                                    const struct squeezes *by, int soon) {
+                                    const struct squeezes *by, int i, int soon) {
     if (laws.rub) return 1.0;
     double bears = vec_norm(trial_at(at)), left = at->holds - bears;
     if (laws.all_stick) return left;
     if (!laws.bare) return at->slides > 0.0 ? bears - at->limit : left;
     struct stage next = stage_of(by, soon, k);
     brace_stage(laws, rule, m, k, &next);
-    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / (so_soon * step);
+    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / soon_after(i, step);
     struct vec towards = vec_axpy(at->s, 1e-12 * step, at->slip); /* nothing is stretched yet at the very begin */
     double dragged = vec_dot(at->slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED);
     return at->slides > 0.0 ? dragged - growth : left;
+}
+
+/* Rounding of that where it has just been zero. */
+static SCREE_INLINE double holds_nearly(struct smooth_friction laws, const struct stage *at) {
+    double slides = laws.all_stick ? 0.0 : at->slides;
+    return 1e-9 * (laws.bare && slides > 0.0 ? vec_norm(at->slip) : at->limit);
 }
 
 /* What friction makes of the same step. */
@@ -367,6 +439,7 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
     struct vec slip = vec_axpy(vec_add(first.slip, fourth.slip), 2.0, inner);
     end.s = vec_axpy(first.s, share, slip);
     grip_stage(laws, rule, m, k, &first, time, &end);
+    redraw(laws, &second, &third, 0.5 * time, time, &end);
     put(to->v, k, end.v);
     put(to->q, k, end.q);
     put(to->s, k, end.s);
@@ -377,10 +450,10 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
     double inner_rubbing = vec_dot(second.force, second.slip) + vec_dot(third.force, third.slip);
     to->rubbed[k] = -share * (outer_rubbing + 2.0 * inner_rubbing);
     to->slides[k] = end.slides;
-    to->turns[0][k] = first.normal; /* friction ends where a contact begins to pull */
-    to->turns[1][k] = end.normal;
-    to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, SOON) + (laws.bare ? 0.0 : 1e-9 * first.limit);
-    to->holds[1][k] = holds_at(laws, rule, m, k, step, &end, by, SOON + 1);
+    to->pulls[0][k] = first.normal;
+    to->pulls[1][k] = end.normal;
+    to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, 0, SOON) + holds_nearly(laws, &first);
+    to->holds[1][k] = holds_at(laws, rule, m, k, step, &end, by, STAGES - 1, SOON + 1);
     to->coarse[k] = coarse_at(m, k, &first, &second, &third, time);
 }
 
@@ -396,14 +469,14 @@ struct pressed {
  * `root`: p, 2 or 4. */
 static SCREE_INLINE struct squeeze squeeze_tick(struct smooth_normal laws, const struct scree_rule *rule,
                                                 const struct lane_constants *m, int k, double root,
-                                                const struct course *c, const struct rk_step *to, double node,
+                                                const struct course *c, struct rk_step *to, double node,
                                                 struct pressed now, int i, struct squeezes *by) {
     double cubic = root > 3.0 ? 1.0 : 0.0, sigma = to->sigma[k] + node * to->size[k];
     double lower = (cubic * (sigma * sigma) + (1.0 - cubic)) * sigma; /* sigma^(p-1) */
     double t = to->offset[k] + to->span[k] * lower * sigma;
     double u = c->u[k] + (t * m->closing[k] - m->give[k] * now.press);
     double d = c->d[k] + (t * c->u[k] + (0.5 * t * t * m->closing[k] - m->give[k] * now.moment));
-    struct squeeze at = squeeze_at(laws, rule, m, k, d, u);
+    struct squeeze at = squeeze_at(laws, rule, m, to->kept, k, d, u);
     by->since[i][k] = t;
     by->along[i][k] = to->size[k] * to->span[k] * root * lower;
     put_squeeze(&at, i, k, by);
@@ -418,7 +491,7 @@ static SCREE_INLINE struct pressed press_on(struct pressed from, double share, c
 
 static SCREE_INLINE void squeeze_by_clock(struct smooth_normal laws, const struct scree_rule *rule,
                                           const struct lane_constants *m, int k, double step, double root,
-                                          const struct course *c, struct rk_step *to, struct squeezes *by) {
+                                          struct course *c, struct rk_step *to, struct squeezes *by) {
     const double sixth = 1.0 / 6.0, third = 2.0 / 6.0;
     struct pressed start = {to->press[k], to->press_moment[k]}, end, first, second, last;
     struct squeeze at = squeeze_tick(laws, rule, m, k, root, c, to, 0.0, start, 0, by);
@@ -433,13 +506,14 @@ static SCREE_INLINE void squeeze_by_clock(struct smooth_normal laws, const struc
     at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, last, 3, by);
     end = press_on(end, sixth * by->along[3][k], &at, last);
     at = squeeze_tick(laws, rule, m, k, root, c, to, 1.0, end, 4, by);
+    remember_squeeze(laws, rule, m, k, c, &at, to);
     to->d[k] = at.d;
     to->u[k] = at.u;
     to->press[k] = end.press;
     to->press_moment[k] = end.moment;
     to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &at);
     to->turns[1][k] = at.u;
-    to->holds[1][k] = 1.0;
+    to->pulls[1][k] = to->holds[1][k] = 1.0;
 }
 
 /* What friction has yielded since a time: impulses and their integrals, and where its slider is. */
@@ -481,21 +555,22 @@ static SCREE_INLINE struct yields rub_tick(struct smooth_friction laws, const st
 static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct scree_rule *rule,
                                       const struct lane_constants *m, int k, double step, struct course *c,
                                       struct rk_step *to, const struct squeezes *by) {
-    const double sixth = 1.0 / 6.0, third = 2.0 / 6.0;
+    const double sixth = 1.0 / 6.0, two_sixths = 2.0 / 6.0;
     struct yields start = {to->rubbed[k], get(to->rub, k), get(to->rub_moment, k), get(to->deep, k), get(to->s, k)};
-    struct stage first, at;
+    struct stage first, second, third, at;
     struct yields rate = rub_tick(laws, rule, m, k, c, &start, by, 0, NULL, &first);
     struct yields end = add_yields(start, sixth * by->along[0][k], &rate);
     struct yields now = add_yields(start, 0.5 * by->along[0][k], &rate);
-    rate = rub_tick(laws, rule, m, k, c, &now, by, 1, &first, &at);
-    end = add_yields(end, third * by->along[1][k], &rate);
+    rate = rub_tick(laws, rule, m, k, c, &now, by, 1, &first, &second);
+    end = add_yields(end, two_sixths * by->along[1][k], &rate);
     now = add_yields(start, 0.5 * by->along[1][k], &rate);
-    rate = rub_tick(laws, rule, m, k, c, &now, by, 2, &first, &at);
-    end = add_yields(end, third * by->along[2][k], &rate);
+    rate = rub_tick(laws, rule, m, k, c, &now, by, 2, &first, &third);
+    end = add_yields(end, two_sixths * by->along[2][k], &rate);
     now = add_yields(start, by->along[2][k], &rate);
     rate = rub_tick(laws, rule, m, k, c, &now, by, 3, &first, &at);
     end = add_yields(end, sixth * by->along[3][k], &rate);
     rub_tick(laws, rule, m, k, c, &end, by, 4, &first, &at);
+    redraw(laws, &second, &third, by->since[2][k] - by->since[0][k], by->since[4][k] - by->since[0][k], &at);
     at.s = to->size[k] == 0.0 ? start.s : at.s; /* a slider's stretch is scaled to its limit: not once more */
     put(to->v, k, at.v);
     put(to->q, k, at.q);
@@ -505,8 +580,8 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
     put(to->deep, k, end.deep);
     to->rubbed[k] = end.rubbed;
     to->slides[k] = at.slides;
-    to->turns[1][k] = at.normal;
-    to->holds[1][k] = holds_at(laws, rule, m, k, step, &at, by, SOON + 1);
+    to->pulls[1][k] = at.normal;
+    to->holds[1][k] = holds_at(laws, rule, m, k, step, &at, by, STAGES - 1, SOON + 1);
 }
 
 /* ---- before the step ---- */
@@ -518,14 +593,14 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
 static SCREE_INLINE void soften(struct smooth_normal laws, const struct scree_rule *rule, double step, int deepens,
                                 int k, struct course *c, struct lane_constants *m, struct softness *to) {
     double d = (c->d[k] > 0.0 ? c->d[k] : 0.0) + SCREE_NO_SPEED, u = c->u[k], way = d + step * fabs(u), deep = d;
-    struct scree_normal_force f = press_at(laws, rule, m, k, d, u), g = f;
+    struct scree_normal_force f = press_at(laws, rule, m, c->kept, k, d, u), g = f;
     double force = f.elastic + f.damping * u, can = 1.25 * u * u;
     double more = ((u > 0.0) & (way * can > d * d * (m->give[k] * f.elastic))) ? 1.0 : 0.0;
     if (deepens) {
-        double most = press_at(laws, rule, m, k, way, u).elastic;
+        double most = press_at(laws, rule, m, c->kept, k, way, u).elastic;
         double needs = m->give[k] * most * way + SCREE_NO_SPEED, pressed = needs > can ? way * sqrt(can / needs) : way;
         deep = ((more > 0.0) & (pressed > d)) ? pressed : d;
-        g = press_at(laws, rule, m, k, deep, u);
+        g = press_at(laws, rule, m, c->kept, k, deep, u);
     }
     m->rate[k] = f.damping * m->give[k];
     to->d[k] = d;
@@ -539,7 +614,7 @@ static SCREE_INLINE void soften(struct smooth_normal laws, const struct scree_ru
     to->may_deepen[k] = more;
     if (!laws.cut) return;
     double later = d + step * u, deeper = later > 0.0 ? later : 0.0;
-    struct scree_normal_force then = press_at(laws, rule, m, k, deeper, u);
+    struct scree_normal_force then = press_at(laws, rule, m, c->kept, k, deeper, u);
     double softness = 1.5 * then.elastic / (deeper + SCREE_NO_SPEED);
     m->pushes[0][k] = then.elastic + then.damping * u;
     m->pushes[1][k] = step * (then.damping + step * softness);
@@ -562,21 +637,37 @@ static SCREE_INLINE void stiffen(struct smooth_friction laws, const struct scree
 }
 
 /* The steps that Runge and Kutta's method needs: a quarter of 1/w at most, with which a contact errs by 1e-5 of its
- * speed. `asked` > 0: so many times as many. */
-static SCREE_INLINE void rule_grid(double step, int asked, int k, const struct softness *by, struct lane_constants *m) {
+ * speed, and so many `pieces` at least; `asked`: so many times as many. */
+static SCREE_INLINE void rule_grid(double step, int asked, int pieces, int k, const struct softness *by,
+                                   struct lane_constants *m) {
     double stiff = by->stiff[k], damped = by->damped[k];
     stiff = damped * damped > stiff ? damped * damped : stiff;
-    double steps = 4.0 * step * sqrt(stiff), times = asked > 0 ? (double)asked : 1.0;
+    double steps = 4.0 * step * sqrt(stiff), least = pieces, times = asked ? least : 1.0;
     steps = steps < 63.0 ? steps : 63.0; /* NaN too */
-    m->grid[k] = step / ((double)(1 + (int)steps) * times);
+    steps = (double)(1 + (int)steps) * times;
+    m->grid[k] = step / (steps < least ? least : steps);
 }
 
 /* Energy in the normal direction that a contact gives back, J. */
 static SCREE_INLINE double stored_at(struct smooth_normal laws, const struct scree_rule *rule,
-                                     const struct lane_constants *m, int k, double overlap, double closing) {
-    struct scree_pair_constants pair = {{m->pair[0][k], m->pair[1][k], m->pair[2][k], m->pair[3][k]}};
-    double stored = laws.stored(&rule->normal_constants, pair, scree_pressed(overlap, closing, 0.0, 0.0));
+                                     const struct lane_constants *m, const kept_columns kept, int k, double overlap,
+                                     double closing) {
+    struct scree_pressing at = pressing_at(laws, kept, k, overlap, closing);
+    double stored = laws.stored(&rule->normal_constants, normal_pair_of(m, k), at);
     return overlap > 0.0 ? stored : 0.0;
+}
+
+/* What the law remembers where a lane is. `meets`: only of those that begin to touch there, which have had no memory;
+ * the law is told that there is a touch. */
+static SCREE_INLINE void recall(struct smooth_normal laws, const struct scree_rule *rule,
+                                const struct lane_constants *m, int meets, int k, struct course *c) {
+    double d = c->d[k], u = c->u[k];
+    double begins = ((d == 0.0) & (c->rest[k] > 0.0)) ? 1.0 : 0.0, takes = meets ? begins : 1.0;
+    struct scree_pressing at = scree_pressed(SCREE_NO_SPEED, u, 0.0, 0.0); /* m, too */
+    if (!meets) at = pressing_at(laws, c->kept, k, d, u);
+    struct scree_normal_force f = laws.press(&rule->normal_constants, normal_pair_of(m, k), at);
+    c->kept[0][k] = takes > 0.0 ? f.first : c->kept[0][k];
+    c->kept[1][k] = takes > 0.0 ? f.second : c->kept[1][k];
 }
 
 #endif

@@ -145,6 +145,9 @@ struct scree_normal_law {
     double (*reach)(const struct scree_law_constants *law, struct scree_pair_constants pair);
     /* Force that is there at once, not growing from zero, where contact begins, or where it ends, N. NULL: none. */
     double (*jump)(const struct scree_law_constants *law, struct scree_pair_constants pair, int ends);
+    /* The law whose `force`, `stored` and `bends` do the same, with constants of their own; NULL: there is none, or it
+     * is this one. Loops are compiled once for both. */
+    const struct scree_normal_law *like;
     /* Closed form of the restitution of two bodies of effective mass `mass` that meet at `speed`; NULL if none. */
     double (*restitution)(const struct scree_law_constants *law, struct scree_pair_constants pair, double mass,
                           double speed);

@@ -34,8 +34,8 @@ static inline struct scree_pair_constants linear_pair(const struct scree_law_con
     return (struct scree_pair_constants){{law->c[LINEAR_FIXED_DAMPING] + law->c[LINEAR_TWO_ZETA] * critical}};
 }
 
-static inline double linear_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                   struct scree_pressing at) {
+static SCREE_INLINE double linear_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                         struct scree_pressing at) {
     (void)pair;
     return 0.5 * law->c[LINEAR_STIFFNESS] * at.overlap * at.overlap;
 }

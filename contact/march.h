@@ -10,16 +10,18 @@
 
 /* Loops over the lanes of a vector, `from` on, with a normal law in them. */
 struct normal_loops {
-    void (*go)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step,
-               const struct course *c, struct rk_step *to, struct squeezes *by);
+    void (*go)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, struct course *c,
+               struct rk_step *to, struct squeezes *by);
     void (*tick)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, double root,
-                 const struct course *c, struct rk_step *to, struct squeezes *by);
-    void (*soon)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step,
+                 struct course *c, struct rk_step *to, struct squeezes *by);
+    void (*soon)(const struct scree_rule *rule, const struct lane_constants *m, int from, double step, struct course *c,
                  struct squeezes *by);
     void (*rate)(const struct scree_rule *rule, struct lane_constants *m, int from, double step, struct course *c,
                  struct softness *to);
-    void (*store)(const struct scree_rule *rule, const struct lane_constants *m, int from, const double *overlap,
-                  const double *closing, double *energy);
+    void (*store)(const struct scree_rule *rule, const struct lane_constants *m, int from, const kept_columns kept,
+                  const double *overlap, const double *closing, double *energy);
+    void (*recall)(const struct scree_rule *rule, const struct lane_constants *m, int from, int meets,
+                   struct course *c);
 };
 
 /* With a friction law in them, behind those. */
@@ -48,10 +50,15 @@ struct smooth_pass {
     const struct scree_rule *rule;
     double step;
     double slope; /* of the friction law, s/m */
-    int substeps; /* as asked for; 0: as many as needed */
-    int cut, turns, root, rubs;
-    int damped; /* friction's slider is behind a spring and a dashpot, not behind a bare spring */
-    int books;  /* energy is looked at */
+    int pieces;   /* of a step, at least: as asked for, or two where the normal law changes its formula, or one */
+    int asked;    /* they are asked for; else as many as needed */
+    int cut, root, rubs;
+    int turns;   /* the normal law changes its formula where approach turns into parting */
+    int pulls;   /* friction ends where a contact begins to pull, and it may */
+    int changes; /* the normal law remembers, or changes its formula */
+    int damped;  /* friction's slider is behind a spring and a dashpot */
+    int bare;    /* it is behind a bare spring */
+    int books;   /* energy is looked at */
 };
 
 /* Copies lanes of columns. */
@@ -80,9 +87,9 @@ static int any_of(const double column[SCREE_LANES], int from) {
 
 /* Of a step that normal laws have made: what friction makes of it. Only bare springs that slide ask what comes soon. */
 static const struct friction_loops *friction_of(const struct smooth_pass *pass, const struct lane_constants *m,
-                                                int from, const struct course *c, struct squeezes *by) {
+                                                int from, struct course *c, struct squeezes *by) {
     int slide = any_of(c->slides, from);
-    if (slide && !pass->damped) pass->normal->soon(pass->rule, m, from, pass->step, by);
+    if (slide && !pass->damped) pass->normal->soon(pass->rule, m, from, pass->step, c, by);
     return pass->friction[!slide];
 }
 
@@ -114,7 +121,14 @@ static void rate_lanes(const struct smooth_pass *pass, int count, struct course 
         pass->normal->rate(pass->rule, m, from, pass->step, c, &by);
         if (pass->rubs) pass->friction[0]->rate(pass->rule, m, from, pass->slope, &by);
     }
-    SMOOTH_LOOP(rule_grid(pass->step, pass->substeps, k, &by, m);)
+    SMOOTH_LOOP(rule_grid(pass->step, pass->asked, pass->pieces, k, &by, m);)
+}
+
+/* What normal laws remember where lanes are; `meets`: of those that begin to touch (recall). */
+static void recall_lanes(const struct smooth_pass *pass, const struct lane_constants *m, int count, int meets,
+                         struct course *c) {
+    for (int from = 0; pass->changes && from < padded(count); from += WIDTH)
+        pass->normal->recall(pass->rule, m, from, meets, c);
 }
 
 /* Contacts on their way. */
@@ -126,9 +140,26 @@ struct march {
                      0: they aren't */
 };
 
+/* Of lanes that begin to touch: what normal laws remember of that, and which bare springs slide from the first on. One
+ * whose load grows like a higher power of time than its stretch slides until the load has overtaken it, which may be
+ * over by the end of the step. */
+static void meet_lanes(const struct smooth_pass *pass, int count, const int *begins, struct march *x) {
+    int any = 0;
+    recall_lanes(pass, &x->m, count, 1, &x->c);
+    for (int k = 0; k < padded(count); k++) {
+        x->to.time[k] = begins[k] ? so_soon * pass->step : 0.0;
+        any |= begins[k];
+    }
+    if (!any || !pass->bare) return;
+    step_lanes(pass, &x->m, count, &x->c, &x->to);
+    for (int k = 0; k < padded(count); k++)
+        if (begins[k] && x->to.holds[1][k] < 0.0) x->c.slides[k] = 1.0;
+}
+
 /* What happens in a step of Runge-Kutta: nothing; it is too long; approach turns into parting where the law isn't
- * smooth there; a slider breaks loose, or holds again; contact ends; or what is left to within.c. */
-enum { NOTHING, COARSE, TURNS, SLIPS, ENDS, ODD };
+ * smooth there; a contact with friction begins to press, or to pull; a slider breaks loose, or holds again; contact
+ * ends; or what is left to within.c. */
+enum { NOTHING, COARSE, TURNS, PRESSES, PULLS, SLIPS, ENDS, ODD };
 
 /* So many events of a contact are gone past in a step, what has more is left to within.c; so many tries find one. */
 enum { MOST_EVENTS = 8, TRIES = 40 };
@@ -191,49 +222,77 @@ static void stride_out(int count, struct march *x) {
 }
 
 /* With friction, a step over the whole grid may be too long. */
-static int is_controlled(const struct smooth_pass *pass) { return pass->rubs && !pass->substeps; }
+static int is_controlled(const struct smooth_pass *pass) { return pass->rubs && !pass->asked; }
 
-/* What may have happened in the step of a lane; each 1 if it has, else 0. `odd`: the overlap isn't one any more. */
+/* What may have happened in the step of a lane; each 1 if it has, else 0. `odd`: the overlap isn't one any more, or
+ * the normal law has another formula. */
 struct seen {
-    double coarse, turns, slips, ends, odd;
+    double coarse, turns, presses, pulls, slips, ends, odd;
 };
 
-static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, double by_control, int k,
-                                         const struct march *x) {
+/* From what is positive before an event to what is negative behind it. */
+static SCREE_INLINE int passes(double before, double after) { return (after < 0.0) & (before > -1e-10 * after); }
+
+static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, int rubs, int changes, double by_control,
+                                         int k, const struct march *x) {
     const struct course *c = &x->c;
     const struct rk_step *to = &x->to;
-    double by_turn = pass->turns ? 1.0 : 0.0, rubs = pass->rubs ? 1.0 : 0.0, damped = pass->damped ? 1.0 : 0.0;
-    double time = to->time[k], before = to->turns[0][k], after = to->turns[1][k], coarse = by_control * to->coarse[k];
-    double moves = c->u[k] * time > 1e-12 * c->d[k] ? 1.0 : rubs; /* rest isn't a turn */
-    double slips = to->holds[0][k] < 0.0 ? damped : 0.0;
-    return (struct seen){.coarse = x->m.grid[k] > 0.75 * pass->step ? coarse : 0.0,
-                         .turns = ((after < 0.0) & (before > -1e-10 * after)) ? by_turn * moves : 0.0,
-                         .slips = to->holds[1][k] < 0.0 ? rubs : slips,
-                         .ends = to->lasts[1][k] < 0.0 ? 1.0 : 0.0,
-                         .odd = c->d[k] >= 0.0 ? 0.0 : 1.0};
+    double coarse = rubs ? by_control * to->coarse[k] : 0.0;
+    struct seen seen = {.coarse = x->m.grid[k] > 0.75 * pass->step ? coarse : 0.0,
+                        .ends = to->lasts[1][k] < 0.0 ? 1.0 : 0.0,
+                        .odd = c->d[k] >= 0.0 ? 0.0 : 1.0};
+    if (changes) {
+        double moves = c->u[k] * to->time[k] > 1e-12 * c->d[k] ? 1.0 : 0.0; /* rest isn't a turn */
+        double turns = passes(to->turns[0][k], to->turns[1][k]) ? moves : 0.0;
+        seen.turns = pass->turns ? turns : 0.0;
+        seen.odd = to->bends[k] > 0.0 ? 1.0 : seen.odd;
+    }
+    if (rubs) {
+        double by_pull = pass->pulls ? 1.0 : 0.0;
+        seen.presses = passes(-to->pulls[0][k], -to->pulls[1][k]) ? by_pull : 0.0;
+        seen.pulls = passes(to->pulls[0][k], to->pulls[1][k]) ? by_pull : 0.0;
+        seen.slips = ((to->holds[0][k] < 0.0) | (to->holds[1][k] < 0.0)) ? 1.0 : 0.0;
+    }
+    return seen;
 }
 
 /* What has. */
-static SCREE_INLINE double look_lane(const struct smooth_pass *pass, double by_control, int k, const struct march *x) {
-    struct seen seen = see_lane(pass, by_control, k, x);
+static SCREE_INLINE double look_lane(const struct smooth_pass *pass, int rubs, int changes, double by_control, int k,
+                                     const struct march *x) {
+    struct seen seen = see_lane(pass, rubs, changes, by_control, k, x);
     double what = x->to.lasts[0][k] > 0.0 ? ENDS : ODD;
     what = seen.ends > 0.0 ? what : NOTHING;
-    what = seen.turns > 0.0 ? TURNS : what;
+    what = seen.pulls > 0.0 ? PULLS : what;
     what = seen.slips > 0.0 ? SLIPS : what;
+    what = seen.presses > 0.0 ? PRESSES : what; /* first of all: sliders are looked at once more up to there */
+    what = seen.turns > 0.0 ? TURNS : what;
     what = ((seen.coarse > 0.0) & (what < ODD)) ? COARSE : what;
     what = seen.odd > 0.0 ? ODD : what;
     return x->to.time[k] > 0.0 ? what : NOTHING;
 }
 
+/* CALL(rubs, changes): a loop of its own for each. */
+#define FOR_DOINGS(pass, CALL)                                                                                         \
+    do {                                                                                                               \
+        if ((pass)->rubs && (pass)->changes) {                                                                         \
+            CALL(1, 1);                                                                                                \
+        } else if ((pass)->rubs) {                                                                                     \
+            CALL(1, 0);                                                                                                \
+        } else if ((pass)->changes) {                                                                                  \
+            CALL(0, 1);                                                                                                \
+        } else {                                                                                                       \
+            CALL(0, 0);                                                                                                \
+        }                                                                                                              \
+    } while (0)
+
 /* The same of all lanes. Returns whether anything has happened. */
 static int look(const struct smooth_pass *pass, int count, const struct march *x, double *event) {
     double by_control = is_controlled(pass) && !x->by_clock ? 1.0 : 0.0, most = 0.0;
+#define LOOK(rubs, changes) SMOOTH_LOOP(event[k] = look_lane(pass, rubs, changes, by_control, k, x);)
+    FOR_DOINGS(pass, LOOK);
+#undef LOOK
     _Pragma("omp simd reduction(max : most)")
-    for (int k = 0; k < padded(count); k++) {
-        double what = look_lane(pass, by_control, k, x);
-        event[k] = what;
-        most = what > most ? what : most;
-    }
+    for (int k = 0; k < padded(count); k++) most = event[k] > most ? event[k] : most;
     return most > 0.0;
 }
 
@@ -250,7 +309,7 @@ static SCREE_INLINE void accept_axis(int axis, int takes, int anew, int k, doubl
 }
 
 /* Take the step of a lane, if `takes`; `anew`: nothing has been yielded before. */
-static SCREE_INLINE void accept_lane(int rubs, int takes, int anew, int k, struct march *x) {
+static SCREE_INLINE void accept_lane(int rubs, int changes, int takes, int anew, int k, struct march *x) {
     struct course *c = &x->c;
     const struct rk_step *to = &x->to;
     double left = c->rest[k] - to->time[k], press = to->press[k], moment = to->press_moment[k] + left * press;
@@ -259,6 +318,10 @@ static SCREE_INLINE void accept_lane(int rubs, int takes, int anew, int k, struc
     c->d[k] = takes ? to->d[k] : c->d[k];
     c->u[k] = takes ? to->u[k] : c->u[k];
     left = c->rest[k] = takes ? left : c->rest[k];
+    if (changes) {
+        c->kept[0][k] = takes ? to->kept[0][k] : c->kept[0][k];
+        c->kept[1][k] = takes ? to->kept[1][k] : c->kept[1][k];
+    }
     if (!rubs) return;
     accept_axis(0, takes, anew, k, left, to, c);
     accept_axis(1, takes, anew, k, left, to, c);
@@ -268,11 +331,11 @@ static SCREE_INLINE void accept_lane(int rubs, int takes, int anew, int k, struc
 }
 
 /* The same of the lanes in which nothing has happened. */
-static void accept(int count, int rubs, const double *event, struct march *x) {
-    if (rubs)
-        SMOOTH_LOOP(accept_lane(1, (event[k] == NOTHING) & (x->to.time[k] > 0.0), 0, k, x);)
-    else
-        SMOOTH_LOOP(accept_lane(0, (event[k] == NOTHING) & (x->to.time[k] > 0.0), 0, k, x);)
+static void accept(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
+#define ACCEPT(rubs, changes)                                                                                          \
+    SMOOTH_LOOP(accept_lane(rubs, changes, (event[k] == NOTHING) & (x->to.time[k] > 0.0), 0, k, x);)
+    FOR_DOINGS(pass, ACCEPT);
+#undef ACCEPT
 }
 
 /* Set the clock of a lane for its step: time since the begin of the root, or until its end, which is reckoned with the
@@ -303,9 +366,13 @@ static void look_at_begin(const struct smooth_pass *pass, int count, struct marc
 }
 
 /* Nothing has been yielded yet. */
-static SCREE_INLINE void begin_tick(int rubs, int k, struct march *x) {
+static SCREE_INLINE void begin_tick(int rubs, int changes, int k, struct march *x) {
     const struct vec none = {0.0, 0.0, 0.0};
     x->to.press[k] = x->to.press_moment[k] = 0.0;
+    if (changes) {
+        x->to.kept[0][k] = x->c.kept[0][k];
+        x->to.kept[1][k] = x->c.kept[1][k];
+    }
     if (!rubs) return;
     put(x->to.rub, k, none);
     put(x->to.rub_moment, k, none);
@@ -322,10 +389,9 @@ static void tick(const struct smooth_pass *pass, int count, const int *ends, str
         if (pieces[k] > most) most = pieces[k];
     }
     if (!ends) look_at_begin(pass, count, x);
-    if (pass->rubs)
-        SMOOTH_LOOP(begin_tick(1, k, x);)
-    else
-        SMOOTH_LOOP(begin_tick(0, k, x);)
+#define BEGIN_TICK(rubs, changes) SMOOTH_LOOP(begin_tick(rubs, changes, k, x);)
+    FOR_DOINGS(pass, BEGIN_TICK);
+#undef BEGIN_TICK
     for (int piece = 0; piece < most; piece++) {
         for (int k = 0; k < padded(count); k++)
             if (piece == pieces[k]) x->to.size[k] = 0.0;
@@ -345,6 +411,8 @@ static void go(const struct smooth_pass *pass, int count, const int *ends, struc
 /* What is positive before an event and negative behind it, at the begin (0) or the end (1) of the step. */
 static double still(const struct march *x, int k, int event, int end) {
     if (event == TURNS) return x->to.turns[end][k];
+    if (event == PULLS) return x->to.pulls[end][k];
+    if (event == PRESSES) return -x->to.pulls[end][k];
     return event == SLIPS ? x->to.holds[end][k] : x->to.lasts[end][k];
 }
 
@@ -466,16 +534,21 @@ static void leave(int k, struct march *x) {
     x->c.rest[k] = 0.0;
 }
 
-/* Whether one step of Runge and Kutta can take a lane through all of the step: it touches, the force doesn't set in as
- * a root nearby, and the grid is no finer. `odd` is 1 of all others. */
+/* Whether a lane can go through all of the step in as few pieces as there must be: it touches, and the grid is no
+ * finer. `odd` is 1 of all others, */
 static SCREE_INLINE void try_lane(const struct smooth_pass *pass, int k, struct march *x) {
     double left = x->c.odd[k], step = pass->step;
     left = x->c.d[k] > 0.0 ? left : 1.0;
-    left = x->m.grid[k] == step ? left : 1.0;
-    x->c.rest[k] = x->to.time[k] = step;
-    left = pass->root >= 2 && is_near(x, k, 1) ? 1.0 : left;
-    left = pass->root >= 2 && !pass->cut && is_near(x, k, -1) ? 1.0 : left;
+    left = x->m.grid[k] == step / pass->pieces ? left : 1.0;
+    x->c.rest[k] = step;
     x->c.odd[k] = left;
+}
+
+/* and of those to which the force sets in as a root nearby. The next of so many pieces. */
+static SCREE_INLINE void try_piece(const struct smooth_pass *pass, int k, int pieces, struct march *x) {
+    double left = pass->root >= 2 && is_near(x, k, 1) ? 1.0 : x->c.odd[k];
+    x->c.odd[k] = pass->root >= 2 && !pass->cut && is_near(x, k, -1) ? 1.0 : left;
+    x->to.time[k] = pieces > 1 ? x->c.rest[k] / pieces : x->c.rest[k];
 }
 
 /* Steps by the clock don't tell whether they are too long: those over the whole grid always are. (Impacts under Tsuji's
@@ -497,26 +570,35 @@ static int lanes_near(const struct smooth_pass *pass, int count, int side, struc
     return nears;
 }
 
+/* In a step that ends with an event, what happens before: sliding, or pressing, may go on until there is no contact any
+ * more; a slider may slip before the law, or what it bears, changes its formula. */
+static double what_first(const struct smooth_pass *pass, int k, double event, const struct march *x) {
+    int until_end = pass->rubs && (event == PULLS || (event == SLIPS && x->c.slides[k] > 0.0));
+    if (until_end && x->to.lasts[1][k] <= 0.0) return ENDS;
+    return (event == TURNS || event == PRESSES) && see_lane(pass, pass->rubs, 0, 0.0, k, x).slips > 0.0 ? SLIPS
+                                                                                                        : NOTHING;
+}
+
 /* Past the events of the step that was tried; lanes without one stay where they are. */
 static void go_past(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
     const double none[SCREE_LANES] = {0.0};
     double own[SCREE_LANES] = {0.0}, first[SCREE_LANES];
-    int again = 0;
+    int again = 0, begins[SCREE_LANES] = {0};
     for (int k = 0; k < padded(count); k++) {
         own[k] = event[k] >= TURNS && event[k] <= ENDS && x->c.rest[k] > 0.0 ? event[k] : NOTHING;
         if (own[k] == NOTHING) x->to.time[k] = 0.0;
     }
     shorten(pass, count, own, x);
-    for (int k = 0; k < padded(count); k++) { /* sliding, or pressing, may go on until there is no contact any more */
-        int until_end = pass->rubs && (own[k] == TURNS || (own[k] == SLIPS && x->c.slides[k] > 0.0));
-        int ended = until_end && x->to.lasts[1][k] <= 0.0;
-        again |= ended;
-        own[k] = ended ? ENDS : own[k];
-        first[k] = ended ? ENDS : NOTHING;
+    for (int k = 0; k < padded(count); k++) {
+        first[k] = what_first(pass, k, own[k], x);
+        again |= first[k] != NOTHING;
+        own[k] = first[k] != NOTHING ? first[k] : own[k];
     }
     if (again) shorten(pass, count, first, x);
-    accept(count, pass->rubs, none, x);
+    accept(pass, count, none, x);
     pass_event(count, pass->rubs, own, x);
+    for (int k = 0; k < padded(count); k++) begins[k] = own[k] == ENDS && x->c.rest[k] > 0.0;
+    meet_lanes(pass, count, begins, x);
     for (int k = 0; k < padded(count); k++) x->c.events[k] += own[k] != NOTHING;
 }
 
@@ -528,7 +610,7 @@ static void advance(const struct smooth_pass *pass, int count, struct march *x) 
     stride_out(count, x);
     go(pass, count, NULL, x);
     int any = look(pass, count, x, event);
-    accept(count, pass->rubs, event, x);
+    accept(pass, count, event, x);
     if (!any) return;
     for (int k = 0; k < padded(count); k++) {
         int odd = event[k] == ODD || (event[k] >= TURNS && x->c.events[k] >= MOST_EVENTS);

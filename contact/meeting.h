@@ -15,6 +15,7 @@ struct meeting {
     double arm[SCREE_LANES], host_arm[SCREE_LANES];              /* from the centres to the contact at the start, m */
     double last[3][SCREE_LANES], before[3][SCREE_LANES];         /* impulses of the last two steps, N s */
     double last_depth[SCREE_LANES], depth_before[SCREE_LANES];   /* and the overlaps that friction had on the mean, m */
+    double kept[2][SCREE_LANES];                                 /* what the normal law remembers */
     double along[3][SCREE_LANES], more[4][SCREE_LANES];          /* m/s^2; more than 0 if one isn't a ball */
     double ball_turn[4][SCREE_LANES], host_turn[4][SCREE_LANES]; /* rad/s^2; 1/(kg m^2) */
     double ball_more[3][SCREE_LANES], host_more[3][SCREE_LANES];
@@ -155,6 +156,10 @@ static void fetch_kept(const struct scree_batch *batch, int first, const int *in
     }
     fetch_column(batch->past[SCREE_PAST_DEPTH], first, index, count, to->last_depth);
     fetch_column(batch->past[SCREE_PAST_STEP + SCREE_PAST_DEPTH], first, index, count, to->depth_before);
+    for (int i = 0; batch->kept[SCREE_KEPT_NORMAL] && i < 2; i++) {
+        fetch_column(batch->kept[SCREE_KEPT_NORMAL + i], first, index, count, to->kept[i]);
+        memcpy(c->kept[i], to->kept[i], sizeof c->kept[i]);
+    }
     int columns = turns ? SCREE_PAIR_LEVER : SCREE_PAIR_FRICTION;
     for (int column = 0; column < columns; column++)
         fetch_column(batch->pair[column], batch->uniform ? 0 : first, batch->uniform ? NULL : index, count,

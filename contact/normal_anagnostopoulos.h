@@ -17,9 +17,9 @@ static inline scree_status normal_anagnostopoulos_bake(const struct scree_values
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_anagnostopoulos_force(const struct scree_law_constants *law,
-                                                                     struct scree_pair_constants pair,
-                                                                     struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_anagnostopoulos_force(const struct scree_law_constants *law,
+                                                                           struct scree_pair_constants pair,
+                                                                           struct scree_pressing at) {
     return normal_linear_cut_force(law, pair, at);
 }
 
@@ -38,10 +38,12 @@ static const struct scree_normal_law scree_normal_anagnostopoulos = {
              .parameters = linear_parameters,
              .example = "stiffness = 1e5, restitution = 0.5"},
     .cut = 1,
+    .turns_smoothly = 1,
     .bake = normal_anagnostopoulos_bake,
     .pair = linear_pair,
     .force = normal_anagnostopoulos_force,
     .stored = linear_stored,
+    .like = &scree_normal_linear_cut,
     .restitution = normal_anagnostopoulos_restitution,
 };
 

@@ -54,8 +54,8 @@ static SCREE_INLINE double normal_blend_stored(const struct scree_law_constants 
 }
 
 /* Where the dashpot has come in fully. */
-static inline int normal_blend_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                     struct scree_pressing from, struct scree_pressing to) {
+static SCREE_INLINE int normal_blend_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                           struct scree_pressing from, struct scree_pressing to) {
     (void)pair;
     return scree_between(from.overlap, to.overlap, law->c[BLEND_FULL]);
 }

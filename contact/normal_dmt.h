@@ -22,8 +22,8 @@ static inline struct scree_pair_constants dmt_pair(const struct scree_law_consta
         {hertz_stiffness(law, radius), 2.0 * 3.14159265358979323846 * law->c[DMT_WORK] * radius}};
 }
 
-static inline double dmt_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                struct scree_pressing at) {
+static SCREE_INLINE double dmt_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                      struct scree_pressing at) {
     double d = at.overlap > 0.0 ? at.overlap : 0.0;
     return hertz_stored(law, pair, at) - pair.c[DMT_PULL] * d;
 }
@@ -42,8 +42,8 @@ static inline scree_status normal_dmt_bake(const struct scree_values *values, st
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_dmt_force(const struct scree_law_constants *law,
-                                                         struct scree_pair_constants pair, struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force
+normal_dmt_force(const struct scree_law_constants *law, struct scree_pair_constants pair, struct scree_pressing at) {
     (void)law;
     double d = at.overlap > 0.0 ? at.overlap : 0.0;
     double force = pair.c[HERTZ_STIFFNESS] * d * sqrt(d) - pair.c[DMT_PULL];
@@ -68,6 +68,7 @@ static const struct scree_normal_law scree_normal_dmt = {
              .parameters = dmt_parameters,
              .example = "stiffness = 5e6, adhesion = 20.0"},
     .cut = 0,
+    .turns_smoothly = 1,
     .bake = normal_dmt_bake,
     .pair = dmt_pair,
     .force = normal_dmt_force,

@@ -15,9 +15,9 @@ static inline scree_status normal_hunt_crossley_1975_bake(const struct scree_val
     return hysteresis_bake(values, law, HYSTERESIS_HUNT_CROSSLEY);
 }
 
-static inline struct scree_normal_force normal_hunt_crossley_1975_force(const struct scree_law_constants *law,
-                                                                        struct scree_pair_constants pair,
-                                                                        struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_hunt_crossley_1975_force(const struct scree_law_constants *law,
+                                                                              struct scree_pair_constants pair,
+                                                                              struct scree_pressing at) {
     (void)pair;
     return hysteresis_force(law, at);
 }
@@ -42,6 +42,7 @@ static const struct scree_normal_law scree_normal_hunt_crossley_1975 = {
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,
     .memory = 1,
+    .turns_smoothly = 1,
     .raises = 1,
     .bake = normal_hunt_crossley_1975_bake,
     .pair = scree_any_pair,

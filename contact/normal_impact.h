@@ -24,6 +24,7 @@ static const struct scree_normal_law scree_normal_impact = {
              .example = "stiffness = 1e5, exponent = 1.0, damping = 30.0, full = 2e-4",
              .parameters = blend_parameters},
     .cut = 1,
+    .turns_smoothly = 1,
     .raises = 1,
     .bake = normal_blend_bake,
     .pair = scree_any_pair,

@@ -41,9 +41,9 @@ static inline scree_status normal_jankowski_bake(const struct scree_values *valu
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_jankowski_force(const struct scree_law_constants *law,
-                                                               struct scree_pair_constants pair,
-                                                               struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_jankowski_force(const struct scree_law_constants *law,
+                                                                     struct scree_pair_constants pair,
+                                                                     struct scree_pressing at) {
     (void)law;
     struct scree_normal_force f = tsuji_force(pair, at);
     f.damping *= at.closing > 0.0 ? 1.0 : 0.0;

@@ -13,9 +13,9 @@ static inline scree_status normal_kuwabara_kono_bake(const struct scree_values *
     return kuwabara_bake(values, law, 0, trouble);
 }
 
-static inline struct scree_normal_force normal_kuwabara_kono_force(const struct scree_law_constants *law,
-                                                                   struct scree_pair_constants pair,
-                                                                   struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_kuwabara_kono_force(const struct scree_law_constants *law,
+                                                                         struct scree_pair_constants pair,
+                                                                         struct scree_pressing at) {
     return kuwabara_force(law, pair, at);
 }
 

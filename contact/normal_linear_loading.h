@@ -8,9 +8,9 @@
 
 #include "contact/linear.h"
 
-static inline struct scree_normal_force normal_linear_loading_force(const struct scree_law_constants *law,
-                                                                    struct scree_pair_constants pair,
-                                                                    struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_linear_loading_force(const struct scree_law_constants *law,
+                                                                          struct scree_pair_constants pair,
+                                                                          struct scree_pressing at) {
     double spring = law->c[LINEAR_STIFFNESS] * at.overlap;
     double approaching = at.closing > 0.0 ? 1.0 : 0.0;
     return (struct scree_normal_force){spring, approaching * pair.c[LINEAR_DAMPING], spring, 0.0, 0.0};

@@ -41,8 +41,8 @@ struct thornton_peak {
     double force, span;
 };
 
-static inline struct thornton_peak thornton_peak_of(const struct scree_law_constants *law,
-                                                    struct scree_pair_constants pair, double largest) {
+static SCREE_INLINE struct thornton_peak thornton_peak_of(const struct scree_law_constants *law,
+                                                          struct scree_pair_constants pair, double largest) {
     double yield = pair.c[THORNTON_YIELD_OVERLAP], deep = largest > 0.0 ? largest : 0.0;
     int plastic = deep > yield;
     double elastic = pair.c[THORNTON_STIFFNESS] * deep * sqrt(deep); /* in any case: a choice of roots is no vector */
@@ -54,8 +54,8 @@ static inline struct thornton_peak thornton_peak_of(const struct scree_law_const
     return (struct thornton_peak){force, plastic ? span : deep};
 }
 
-static inline double thornton_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                     struct scree_pressing at) {
+static SCREE_INLINE double thornton_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                           struct scree_pressing at) {
     double largest = at.overlap > at.first ? at.overlap : at.first;
     struct thornton_peak peak = thornton_peak_of(law, pair, largest);
     double w = 1.0 - (largest - at.overlap) / (peak.span + SCREE_NO_SPEED), left = w > 0.0 ? w : 0.0;
@@ -75,9 +75,9 @@ static inline scree_status normal_thornton_bake(const struct scree_values *value
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_thornton_force(const struct scree_law_constants *law,
-                                                              struct scree_pair_constants pair,
-                                                              struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_thornton_force(const struct scree_law_constants *law,
+                                                                    struct scree_pair_constants pair,
+                                                                    struct scree_pressing at) {
     int touching = at.overlap > 0.0, further = at.overlap > at.first;
     double largest = further ? at.overlap : at.first;
     struct thornton_peak peak = thornton_peak_of(law, pair, largest);
@@ -100,12 +100,11 @@ static inline double normal_thornton_restitution(const struct scree_law_constant
 }
 
 /* Where it yields, for the first time or further, and where it has unloaded. */
-static inline int normal_thornton_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                        struct scree_pressing from, struct scree_pressing to) {
-    if (to.closing > 0.0)
-        return scree_between(from.overlap, to.overlap, fmax(from.first, pair.c[THORNTON_YIELD_OVERLAP]));
-    struct thornton_peak peak = thornton_peak_of(law, pair, from.first);
-    return scree_between(from.overlap, to.overlap, from.first - peak.span);
+static SCREE_INLINE int normal_thornton_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                              struct scree_pressing from, struct scree_pressing to) {
+    double yield = pair.c[THORNTON_YIELD_OVERLAP], further = from.first > yield ? from.first : yield;
+    double unloaded = from.first - thornton_peak_of(law, pair, from.first).span;
+    return scree_between(from.overlap, to.overlap, to.closing > 0.0 ? further : unloaded);
 }
 
 static const struct scree_normal_law scree_normal_thornton = {

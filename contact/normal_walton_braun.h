@@ -45,9 +45,9 @@ static inline scree_status normal_walton_braun_bake(const struct scree_values *v
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_walton_braun_force(const struct scree_law_constants *law,
-                                                                  struct scree_pair_constants pair,
-                                                                  struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_walton_braun_force(const struct scree_law_constants *law,
+                                                                        struct scree_pair_constants pair,
+                                                                        struct scree_pressing at) {
     (void)law;
     return walton_force(pair, at);
 }

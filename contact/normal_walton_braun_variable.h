@@ -6,7 +6,7 @@
 #ifndef SCREE_CONTACT_NORMAL_WALTON_BRAUN_VARIABLE_H
 #define SCREE_CONTACT_NORMAL_WALTON_BRAUN_VARIABLE_H
 
-#include "contact/walton.h"
+#include "contact/normal_walton_braun.h"
 
 enum { WALTON_VARIABLE_STIFFNESS, WALTON_VARIABLE_RESTITUTION, WALTON_VARIABLE_SLOPE, WALTON_VARIABLE_SPEED };
 enum {
@@ -59,9 +59,9 @@ static inline scree_status normal_walton_braun_variable_bake(const struct scree_
     return SCREE_OK;
 }
 
-static inline struct scree_normal_force normal_walton_braun_variable_force(const struct scree_law_constants *law,
-                                                                           struct scree_pair_constants pair,
-                                                                           struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_walton_braun_variable_force(const struct scree_law_constants *law,
+                                                                                 struct scree_pair_constants pair,
+                                                                                 struct scree_pressing at) {
     (void)law;
     return walton_force(pair, at);
 }
@@ -89,6 +89,7 @@ static const struct scree_normal_law scree_normal_walton_braun_variable = {
     .force = normal_walton_braun_variable_force,
     .stored = walton_stored,
     .bends = walton_bends,
+    .like = &scree_normal_walton_braun,
     .restitution = normal_walton_braun_variable_restitution,
 };
 

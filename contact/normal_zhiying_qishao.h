@@ -7,7 +7,7 @@
 #ifndef SCREE_CONTACT_NORMAL_ZHIYING_QISHAO_H
 #define SCREE_CONTACT_NORMAL_ZHIYING_QISHAO_H
 
-#include "contact/hysteresis.h"
+#include "contact/normal_hunt_crossley_1975.h"
 
 static inline scree_status normal_zhiying_qishao_bake(const struct scree_values *values,
                                                       struct scree_law_constants *law, scree_trouble *trouble) {
@@ -15,9 +15,9 @@ static inline scree_status normal_zhiying_qishao_bake(const struct scree_values 
     return hysteresis_bake(values, law, HYSTERESIS_ZHIYING_QISHAO);
 }
 
-static inline struct scree_normal_force normal_zhiying_qishao_force(const struct scree_law_constants *law,
-                                                                    struct scree_pair_constants pair,
-                                                                    struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force normal_zhiying_qishao_force(const struct scree_law_constants *law,
+                                                                          struct scree_pair_constants pair,
+                                                                          struct scree_pressing at) {
     (void)pair;
     return hysteresis_force(law, at);
 }
@@ -41,11 +41,13 @@ static const struct scree_normal_law scree_normal_zhiying_qishao = {
              .example = "stiffness = 5e6, restitution = 0.5"},
     .cut = 1,
     .memory = 1,
+    .turns_smoothly = 1,
     .raises = 1,
     .bake = normal_zhiying_qishao_bake,
     .pair = scree_any_pair,
     .force = normal_zhiying_qishao_force,
     .stored = normal_hunt_crossley_stored,
+    .like = &scree_normal_hunt_crossley_1975,
     .restitution = normal_zhiying_qishao_restitution,
 };
 

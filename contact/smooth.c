@@ -1,14 +1,15 @@
 /* Contacts of two spheres, or of one with a plane or a frozen sphere, that go through a step of the pair-impulse method
  * several at once. What they do is what within.c does, in numbers instead of matrices (lane.h): contact begins, breaks
- * loose, turns round, ends and begins again inside the step, and each of these instants is located (march.h). Normal
- * laws that keep nothing go so, alone or with a friction law that keeps nothing or is a slider (SMOOTH_SLIDERS).
+ * loose, turns round, ends and begins again inside the step, and each of these instants is located (march.h). Every
+ * normal law that doesn't reach beyond the touch goes so, alone or with a friction law that keeps nothing or is a
+ * slider (SMOOTH_SLIDERS).
  *
  * Most contacts of a bed touch all through the step, and nothing happens to them: these go straight, in loops from the
  * bodies to what is yielded. The others are drawn together. Few are left to within.c: contacts that may be pushed
- * together again after their end, and those that are thrown back before they touch. Rolling laws come behind, from the
- * impulses (impulse.c). Which contacts are left, and all that becomes of the others, is decided for each by its own
- * numbers, so that no bit depends on its neighbours in the list, on threads or on the processor. Compiled once for each
- * kind of processor, as loop.c is.
+ * together again after their end, those that are thrown back before they touch, and those whose law changes its formula
+ * in the step other than by a turn. Rolling laws come behind, from the impulses (impulse.c). Which contacts are left,
+ * and all that becomes of the others, is decided for each by its own numbers, so that no bit depends on its neighbours
+ * in the list, on threads or on the processor. Compiled once for each kind of processor, as loop.c is.
  */
 #include "contact/law_list.h"
 #include "contact/loop.h"
@@ -19,17 +20,18 @@
 
 /* ---- loops with a law in them ---- */
 
-/* What keeps numbers, reaches beyond the touch or changes its formula inside a contact isn't smooth. */
-#define SMOOTH_NOT(law) ((law).memory || (law).reach || (law).bends)
+/* What reaches beyond the touch isn't smooth; what is like another law goes through the loops of that one. */
+#define SMOOTH_NOT(law) ((law).reach != NULL || (law).like != NULL)
 
 #define NORMAL_OF(word)                                                                                                \
     {                                                                                                                  \
         .press = normal_##word##_force, .stored = scree_normal_##word.stored, .cut = scree_normal_##word.cut,          \
-        .raises = scree_normal_##word.raises, .none = SMOOTH_NOT(scree_normal_##word)                                  \
+        .memory = scree_normal_##word.memory, .raises = scree_normal_##word.raises,                                    \
+        .bends = scree_normal_##word.bends, .none = SMOOTH_NOT(scree_normal_##word)                                    \
     }
 #define SMOOTH_NORMAL(word)                                                                                            \
     __attribute__((flatten)) static void go_##word(const struct scree_rule *rule, const struct lane_constants *m,      \
-                                                   int from, double step, const struct course *c, struct rk_step *to,  \
+                                                   int from, double step, struct course *c, struct rk_step *to,        \
                                                    struct squeezes *by) {                                              \
         const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
@@ -38,7 +40,7 @@
                            SMOOTH_VECTOR(squeeze_step(laws, &own, m, k, step, c, to, by);));                           \
     }                                                                                                                  \
     __attribute__((flatten)) static void tick_##word(const struct scree_rule *rule, const struct lane_constants *m,    \
-                                                     int from, double step, double root, const struct course *c,       \
+                                                     int from, double step, double root, struct course *c,             \
                                                      struct rk_step *to, struct squeezes *by) {                        \
         const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
@@ -47,13 +49,13 @@
                            SMOOTH_VECTOR(squeeze_by_clock(laws, &own, m, k, step, root, c, to, by);));                 \
     }                                                                                                                  \
     __attribute__((flatten)) static void soon_##word(const struct scree_rule *rule, const struct lane_constants *m,    \
-                                                     int from, double step, struct squeezes *by) {                     \
+                                                     int from, double step, struct course *c, struct squeezes *by) {   \
         const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, 0, SOON, by);)                                          \
-            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, STAGES - 1, SOON + 1, by);)                             \
+            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, c, 0, SOON, by);)                                       \
+            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, c, STAGES - 1, SOON + 1, by);)                          \
         });                                                                                                            \
     }                                                                                                                  \
     __attribute__((flatten)) static void rate_##word(const struct scree_rule *rule, struct lane_constants *m,          \
@@ -67,13 +69,20 @@
         });                                                                                                            \
     }                                                                                                                  \
     __attribute__((flatten)) static void store_##word(const struct scree_rule *rule, const struct lane_constants *m,   \
-                                                      int from, const double *overlap, const double *closing,          \
-                                                      double *energy) {                                                \
+                                                      int from, const kept_columns kept, const double *overlap,        \
+                                                      const double *closing, double *energy) {                         \
         const struct smooth_normal laws = NORMAL_OF(word);                                                             \
         struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants,                                                          \
-                           SMOOTH_VECTOR(energy[k] = stored_at(laws, &own, m, k, overlap[k], closing[k]);));           \
+                           SMOOTH_VECTOR(energy[k] = stored_at(laws, &own, m, kept, k, overlap[k], closing[k]);));     \
+    }                                                                                                                  \
+    __attribute__((flatten)) static void recall_##word(const struct scree_rule *rule, const struct lane_constants *m,  \
+                                                       int from, int meets, struct course *c) {                        \
+        const struct smooth_normal laws = NORMAL_OF(word);                                                             \
+        struct scree_rule own = *rule;                                                                                 \
+        if (laws.none || !laws.memory) return;                                                                         \
+        SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, SMOOTH_VECTOR(recall(laws, &own, m, meets, k, c);));     \
     }
 SCREE_NORMAL_LAWS(SMOOTH_NORMAL)
 
@@ -125,7 +134,7 @@ SCREE_NORMAL_LAWS(SMOOTH_NORMAL)
 SMOOTH_SLIDERS(SMOOTH_SLIDER)
 SCREE_FRICTION_LAWS(SMOOTH_RUB)
 
-#define ENTRY(word) {go_##word, tick_##word, soon_##word, rate_##word, store_##word},
+#define ENTRY(word) {go_##word, tick_##word, soon_##word, rate_##word, store_##word, recall_##word},
 static const struct normal_loops smooth_normals[] = {SCREE_NORMAL_LAWS(ENTRY)};
 #undef ENTRY
 #define LOOPS(name)                                                                                                    \
@@ -150,6 +159,14 @@ static const struct friction_loops *friction_loops_of(int friction, int bare, in
     return NULL;
 }
 
+/* The loops that a law goes through; NULL: none. */
+static const struct normal_loops *normal_loops_of(int normal) {
+    const struct scree_normal_law *law = scree_normal_laws[normal];
+    int k = law->like ? 0 : normal;
+    while (law->like && scree_normal_laws[k] != law->like) k++;
+    return SMOOTH_NOT(*scree_normal_laws[k]) ? NULL : &smooth_normals[k];
+}
+
 static int is_bare(const struct scree_rule *rule, const struct scree_batch *batch, int first) {
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     struct scree_pair_constants pair = {
@@ -161,19 +178,24 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
                                          int first, double step) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     const struct scree_normal_law *normal = scree_normal_laws[rule->normal];
-    struct smooth_pass pass = {.rule = rule, .step = step, .substeps = contacts->substeps, .books = contacts->measured};
+    struct smooth_pass pass = {
+        .rule = rule, .step = step, .asked = contacts->substeps > 0, .books = contacts->measured};
     int rubs = pass.rubs = rule->friction >= 0;
-    if (SMOOTH_NOT(*normal)) return pass;
+    pass.normal = normal_loops_of(rule->normal);
+    if (!pass.normal) return pass;
     pass.cut = normal->cut;
-    pass.turns = rubs ? !normal->cut : !normal->turns_smoothly;
+    pass.turns = !normal->turns_smoothly;
+    pass.pulls = rubs && !normal->cut;
+    pass.changes = normal->memory || normal->bends || pass.turns;
+    pass.pieces = pass.asked ? contacts->substeps : normal->bends ? 2 : 1;
     pass.root = normal->root;
-    pass.normal = &smooth_normals[rule->normal];
     if (!rubs) return pass;
     const struct scree_friction_law *friction = scree_friction_laws[rule->friction];
     int slider = friction->hold != NULL, bare = slider && is_bare(rule, batch, first);
     for (int stuck = 0; stuck < 2; stuck++) pass.friction[stuck] = friction_loops_of(rule->friction, bare, stuck);
-    if (!pass.friction[0] || !normal->turns_smoothly) pass.normal = NULL;
+    if (!pass.friction[0]) pass.normal = NULL;
     pass.damped = slider && !bare;
+    pass.bare = slider && bare;
     pass.slope = friction->slope(&rule->friction_constants);
     if (friction->root > pass.root) pass.root = friction->root;
     return pass;
@@ -256,8 +278,8 @@ static void book_losses(const struct smooth_pass *pass, struct smooth_block *s, 
     if (!pass->books) return;
     SMOOTH_LOOP(closing[k] = -vec_dot(get(s->b.rush, k), get(s->b.n, k));)
     for (int from = 0; from < padded(count); from += WIDTH) {
-        pass->normal->store(pass->rule, m, from, s->b.overlap, closing, before);
-        pass->normal->store(pass->rule, m, from, c->d, c->u, after);
+        pass->normal->store(pass->rule, m, from, s->at.kept, s->b.overlap, closing, before);
+        pass->normal->store(pass->rule, m, from, s->x.c.kept, c->d, c->u, after);
     }
     SMOOTH_LOOP({
         double d = s->b.overlap[k], u = closing[k];
@@ -309,6 +331,10 @@ static void keep_all(const struct scree_batch *batch, struct smooth_block *s, in
             last[k] = s->x.c.odd[k] > 0.0 ? last[k] : now[k] + 0.0; /* zeros have no sign */
         })
     }
+    for (int m = 0; batch->kept[SCREE_KEPT_NORMAL] && m < 2; m++) {
+        double *kept = batch->kept[SCREE_KEPT_NORMAL + m] + first;
+        SMOOTH_LOOP({ kept[k] = s->x.c.odd[k] > 0.0 ? kept[k] : s->x.c.kept[m][k]; })
+    }
     if (!turns || !batch->kept[0]) return;
     for (int axis = 0; axis < 3; axis++) {
         double *kept = batch->kept[axis] + first;
@@ -344,6 +370,8 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
     yield->lasts[lane] = from->lasts[i];
     yield->lost.normal[lane] = from->lost.normal[i];
     yield->lost.tangential[lane] = from->lost.tangential[i];
+    for (int m = 0; batch->kept[SCREE_KEPT_NORMAL] && m < 2; m++)
+        batch->kept[SCREE_KEPT_NORMAL + m][index] = s->x.c.kept[m][i];
     if (!turns || !batch->kept[0]) return;
     for (int axis = 0; axis < 3; axis++) batch->kept[axis][index] = s->x.c.s[axis][i] + 0.0;
     scree_keep(batch, SCREE_KEPT_STATE, index, s->x.c.slides[i]);
@@ -427,15 +455,18 @@ uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const stru
     struct smooth_block s;
     struct scree_yield few;
     struct scree_moments few_moments;
-    int index[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0;
+    int index[SCREE_LANES] = {0}, begins[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0;
     uint32_t odd = 0;
     for (int i = 0; i < count; i++) index[i] = w->first + lane[i];
     begin_smooth(w, index, count, &s);
     begin_course(&s.x.c);
     SMOOTH_LOOP(s.flight[k] = s.x.c.d[k] + (step * s.x.c.u[k] + 0.5 * step * step * s.x.m.closing[k]);)
     begin_lanes(count, step, turns, s.flight, &s.x);
+    for (int k = 0; k < padded(count); k++) begins[k] = s.x.c.d[k] == 0.0 && s.x.c.rest[k] > 0.0;
+    meet_lanes(&w->pass, count, begins, &s.x);
     for (int k = 0; k < count; k++) touching |= s.x.c.rest[k] > 0.0;
     if (touching) march_on(&w->pass, count, &s.x);
+    recall_lanes(&w->pass, &s.x.m, count, 0, &s.x.c);
     yield_smooth(&s, count, w->kind, w->batch->slope, &few, &few_moments);
     book_losses(&w->pass, &s, count, &few);
     for (int i = 0; i < count; i++)
@@ -446,13 +477,24 @@ uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const stru
     return odd;
 }
 
-/* The only step of a lane. */
-static SCREE_INLINE void accept_straight(const struct smooth_pass *pass, double by_control, int rubs, int k,
-                                         struct march *x) {
-    struct seen seen = see_lane(pass, by_control, k, x);
-    double some = seen.coarse + seen.turns + seen.slips + seen.ends + seen.odd;
-    accept_lane(rubs, 1, 1, k, x);
+/* One step of Runge-Kutta of a lane; `anew`: the first one. */
+static SCREE_INLINE void accept_straight(const struct smooth_pass *pass, double by_control, int rubs, int changes,
+                                         int anew, int k, struct march *x) {
+    struct seen seen = see_lane(pass, rubs, changes, by_control, k, x);
+    double some = seen.coarse + seen.turns + seen.presses + seen.pulls + seen.slips + seen.ends + seen.odd;
+    accept_lane(rubs, changes, 1, anew, k, x);
     x->c.odd[k] = some > 0.0 ? 1.0 : x->c.odd[k];
+}
+
+/* All lanes through one of the pieces that are left. */
+static void go_straight(const struct smooth_pass *pass, int count, int pieces_left, struct march *x) {
+    double by_control = is_controlled(pass) ? 1.0 : 0.0;
+    int anew = pieces_left == pass->pieces;
+    SMOOTH_LOOP(try_piece(pass, k, pieces_left, x);)
+    step_lanes(pass, &x->m, count, &x->c, &x->to);
+#define ACCEPT(rubs, changes) SMOOTH_LOOP(accept_straight(pass, by_control, rubs, changes, anew, k, x);)
+    FOR_DOINGS(pass, ACCEPT);
+#undef ACCEPT
 }
 
 /* All lanes straight through the step. Those to which something happens in it, or may, are left as they were: their
@@ -467,12 +509,7 @@ static int impel_straight(const struct smooth_work *w, int count, int *lane, str
         s.x.c.odd[k] = s.at.more[3][k] > 0.0 ? 1.0 : s.x.c.odd[k];
         try_lane(pass, k, &s.x);
     })
-    step_lanes(pass, &s.x.m, count, &s.x.c, &s.x.to);
-    double by_control = is_controlled(pass) ? 1.0 : 0.0;
-    if (pass->rubs)
-        SMOOTH_LOOP(accept_straight(pass, by_control, 1, k, &s.x);)
-    else
-        SMOOTH_LOOP(accept_straight(pass, by_control, 0, k, &s.x);)
+    for (int pieces = pass->pieces; pieces > 0; pieces--) go_straight(pass, count, pieces, &s.x);
     yield_smooth(&s, count, w->kind, w->batch->slope, yield, moments);
     book_losses(pass, &s, count, yield);
     keep_all(w->batch, &s, w->first, count, pass->rubs, yield);

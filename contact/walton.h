@@ -10,7 +10,7 @@
 
 enum { WALTON_LOADING, WALTON_UNLOADING, WALTON_SLOPE }; /* pair constants: K1, the fixed part of K2, S */
 
-static inline struct scree_normal_force walton_force(struct scree_pair_constants pair, struct scree_pressing at) {
+static SCREE_INLINE struct scree_normal_force walton_force(struct scree_pair_constants pair, struct scree_pressing at) {
     int touching = at.overlap > 0.0, further = at.overlap > at.first;
     double largest = further ? at.overlap : at.first, load = pair.c[WALTON_LOADING] * largest;
     double unloading = pair.c[WALTON_UNLOADING] + pair.c[WALTON_SLOPE] * load;
@@ -22,8 +22,8 @@ static inline struct scree_normal_force walton_force(struct scree_pair_constants
     return (struct scree_normal_force){force, 0.0, reversible, touching ? largest : 0.0, 0.0};
 }
 
-static inline double walton_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                                   struct scree_pressing at) {
+static SCREE_INLINE double walton_stored(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                         struct scree_pressing at) {
     (void)law;
     double largest = at.overlap > at.first ? at.overlap : at.first, load = pair.c[WALTON_LOADING] * largest;
     double unloading = pair.c[WALTON_UNLOADING] + pair.c[WALTON_SLOPE] * load;
@@ -32,8 +32,8 @@ static inline double walton_stored(const struct scree_law_constants *law, struct
 }
 
 /* Where it is pressed further than ever before. */
-static inline int walton_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
-                               struct scree_pressing from, struct scree_pressing to) {
+static SCREE_INLINE int walton_bends(const struct scree_law_constants *law, struct scree_pair_constants pair,
+                                     struct scree_pressing from, struct scree_pressing to) {
     (void)law;
     (void)pair;
     return from.overlap < from.first * (1.0 - 1e-12) && to.overlap > from.first;

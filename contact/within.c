@@ -330,7 +330,7 @@ static struct clock clock_for(const struct scree_pair_motion *p, struct nearness
     c.since = near.since;
     c.until = time + rest;
     c.span = time + rest;
-    double nearest = scree_whole_root(rest / c.span, c.root);
+    double nearest = c.span > 0.0 ? scree_whole_root(rest / c.span, c.root) : 0.0;
     c.pieces = rest < 1.5 * time ? 4 : 1;
     if (c.pieces < p->substeps) c.pieces = p->substeps;
     c.first = c.backwards ? 0.0 : nearest;
@@ -410,7 +410,7 @@ static struct scree_pair_instant go(const struct scree_pair_motion *p, const str
 
 /* ---- events inside a step ---- */
 
-enum event { TURNS, ENDS, SLIPS, CROSSES };
+enum event { TURNS, PRESSES, ENDS, SLIPS, CROSSES };
 
 /* The contact a little later, whose force is known; only overlap and velocity. */
 static struct scree_pair_instant soon_after(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
@@ -422,34 +422,36 @@ static struct scree_pair_instant soon_after(const struct scree_pair_motion *p, c
     return next;
 }
 
-/* The force with which a slider slides, N. */
-static double grip_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
-    struct scree_pair_load load;
-    scree_pair_press(p, at, &load);
-    return brace(p, at, load.normal).limit;
-}
+/* So much of the step later, at the begin of a piece, or sooner, at its end, the load on a slider is asked for once
+ * more: inside the piece, where its formula holds. */
+static const double so_soon = 1e-5;
 
 /* What a slider that holds could still bear, N; by how much more (N) one that slides would have to bear if it held; the
  * force of a bare spring can't be more than what it slides with: by how much faster (m/s) it is dragged than what it
- * remembers grows as its load allows. */
-static double gripping(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+ * remembers grows as its load allows. `from`: where the piece began that ends here; NULL: here one begins, and what it
+ * could bear less counts for rounding. */
+static double gripping(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
+                       const struct scree_pair_instant *from) {
     struct scree_pair_load load;
     scree_pair_press(p, at, &load);
     struct scree_drawn drawn = brace(p, at, load.normal);
     drawn.stretch = p->friction->in_force ? vec_scale(1.0 / drawn.k, at->stretch) : at->stretch;
-    double bears = vec_norm(trial_of(&drawn));
+    double bears = vec_norm(trial_of(&drawn)), rounding = from ? 0.0 : 1e-9,
+           soon = (from ? -so_soon : so_soon) * p->step;
     struct scree_sliding sliding = sliding_of(p, at, load.normal);
-    if (!(at->sliding > 0.0)) return scree_hold_on(p->friction, p->friction_law, sliding, at->inside).holds - bears;
-    if (!p->bare) return bears - drawn.limit;
-    const double soon = 1e-5 * p->step;
+    if (!(at->sliding > 0.0))
+        return scree_hold_on(p->friction, p->friction_law, sliding, at->inside).holds - bears + rounding * drawn.limit;
+    if (!p->bare) return bears - drawn.limit + rounding * drawn.limit;
     struct vec along = vec_axpy(drawn.stretch, 1e-12 * p->step, drawn.slip); /* no stretch yet at the very begin */
     along = vec_scale(1.0 / (vec_norm(along) + SCREE_NO_SPEED), along);
     struct scree_pair_instant later = soon_after(p, at, vec_axpy(load.force, -drawn.limit, along), soon);
+    later.first = from ? from->first : at->first;
+    later.second = from ? from->second : at->second;
     int in_stretch = goes_by_stretch(p, at, load.normal, 0.0);
     scree_pair_press(p, &later, &load);
     struct scree_drawn next = brace(p, &later, load.normal);
     double growth = (next.limit / (in_stretch ? next.k : drawn.k) - drawn.limit / drawn.k) / soon;
-    return vec_dot(drawn.slip, along) - growth;
+    return vec_dot(drawn.slip, along) - growth + rounding * vec_norm(drawn.slip);
 }
 
 /* Of a slider whose hold jumps at a speed: how far it is from there, m/s. */
@@ -458,11 +460,20 @@ static double keeping(const struct scree_pair_motion *p, const struct scree_pair
     return at->inside ? left : -left;
 }
 
-static double still(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *at) {
-    return event == TURNS   ? closing_of(p, at)
-           : event == ENDS  ? lasting(p, at)
-           : event == SLIPS ? gripping(p, at)
-                            : keeping(p, at);
+static double pulling(const struct scree_pair_motion *p, const struct scree_pair_instant *at) {
+    struct scree_pair_load load;
+    scree_pair_press(p, at, &load);
+    return -load.normal;
+}
+
+/* Positive before an event; `from` as in gripping. */
+static double still(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *at,
+                    const struct scree_pair_instant *from) {
+    return event == TURNS     ? closing_of(p, at)
+           : event == PRESSES ? pulling(p, at)
+           : event == ENDS    ? lasting(p, at)
+           : event == SLIPS   ? gripping(p, at, from)
+                              : keeping(p, at);
 }
 
 /* Shorten a piece of length *time, over whose course an event happens, so that it ends there: regula falsi (Illinois),
@@ -471,7 +482,7 @@ static double still(const struct scree_pair_motion *p, enum event event, const s
  * those of the whole piece and become those of the part. */
 static void shorten(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *from,
                     struct nearness near, double *time, struct scree_pair_instant *to, struct scree_pair_yield *yield) {
-    double low = 0.0, high = *time, at_low = still(p, event, from), at_high = still(p, event, to);
+    double low = 0.0, high = *time, at_low = still(p, event, from, NULL), at_high = still(p, event, to, from);
     double size = fabs(at_low - at_high);
     int slips = event == SLIPS, tried = !slips || at_low > 0.0;
     for (int k = 0, kept = 0; k < TRIES && (at_low > 0.0 || slips); k++) {
@@ -481,7 +492,7 @@ static void shorten(const struct scree_pair_motion *p, enum event event, const s
         if (event == ENDS && near.until >= 0.0) near.until = t; /* there is the singular point */
         *to = go(p, from, near, t, yield);
         *time = t;
-        double value = still(p, event, to);
+        double value = still(p, event, to, from);
         if (fabs(value) <= 1e-13 * size || (!tried && !(value > 0.0))) return;
         tried = 1;
         if (value > 0.0) {
@@ -526,20 +537,32 @@ static int shorten_to_bend(const struct scree_pair_motion *p, const struct scree
     return 1;
 }
 
+/* Where a contact with friction that pulls begins to press within the piece, which is shortened to end there: friction
+ * begins. Returns whether it does. */
+static int shorten_to_press(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
+                            struct nearness near, double *time, struct scree_pair_instant *to,
+                            struct scree_pair_yield *yield) {
+    if (!p->friction || p->normal->cut) return 0;
+    double before = pulling(p, from), after = pulling(p, to);
+    if (!(after < 0.0 && before > -1e-10 * after)) return 0;
+    shorten(p, PRESSES, from, near, time, to, yield);
+    return 1;
+}
+
 /* Where a slider breaks loose or holds again within the piece, which is shortened to end there. Returns whether it
- * does. One with a dashpot may have to at once: its force jumps where others do. */
+ * does. It may have to at once: where a piece has ended with a turn what it bears goes on otherwise, and the force of
+ * one with a dashpot jumps where others do. */
 static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                            struct nearness near, double *time, struct scree_pair_instant *to,
                            struct scree_pair_yield *yield) {
     if (!p->slider) return 0;
-    double grips = p->bare ? 0.0 : gripping(p, from);
-    if (grips < 0.0 && grips < -1e-9 * grip_of(p, from)) {
+    if (gripping(p, from, NULL) < 0.0) {
         *to = *from;
         *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
         *time = 0.0;
         return 1;
     }
-    if (!(gripping(p, to) < 0.0)) return 0;
+    if (!(gripping(p, to, from) < 0.0)) return 0;
     shorten(p, SLIPS, from, near, time, to, yield);
     return 1;
 }
@@ -611,15 +634,17 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
         if (turns) shorten(p, TURNS, at, near, &piece, &to, &part);
         int bent = shorten_to_bend(p, at, near, &piece, &to, &part);
         if (bent) turns = 0;
+        int presses = shorten_to_press(p, at, near, &piece, &to, &part);
+        if (presses) turns = bent = 0;
         int ends = !turns && lasting(p, &to) < 0.0;
         if (ends) shorten(p, ENDS, at, near, &piece, &to, &part);
         if (ends && !(lasting(p, at) > 0.0)) return time; /* it ends before it begins */
         int crosses = slipped < MOST_SLIPS && shorten_to_crossing(p, at, near, &piece, &to, &part);
-        if (crosses) turns = ends = 0;
+        if (crosses) turns = bent = presses = ends = 0;
         int slips = slipped < MOST_SLIPS && shorten_to_slip(p, at, near, &piece, &to, &part);
-        if (slips) turns = ends = crosses = 0;
+        if (slips) turns = bent = presses = ends = crosses = 0;
         slipped += slips + crosses;
-        time = turns || bent || ends || slips || crosses ? time + piece : goal;
+        time = turns || bent || presses || ends || slips || crosses ? time + piece : goal;
         if (!(time < p->step)) time = p->step;
         add(sum, &part, p->step - time);
         *at = to;
@@ -667,13 +692,22 @@ static double begin(const struct scree_pair_motion *p, double time, struct scree
     return time + start;
 }
 
-/* What the normal law remembers of the touch itself: that there is one, how fast they met. */
+/* What the normal law remembers of the touch itself: that there is one, how fast they met. A bare spring whose load
+ * grows like a higher power of time than its stretch slides from the touch on, until the load has overtaken it, which
+ * may be over by the end of the step. */
 static void meet(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
     struct scree_pair_instant touching = *at;
     touching.overlap = SCREE_NO_SPEED; /* m, too */
     remember(p, &touching);
     at->first = touching.first;
     at->second = touching.second;
+    if (!p->bare) return;
+    double soon = so_soon * p->step;
+    struct scree_pair_instant later = soon_after(p, at, vec(0.0, 0.0, 0.0), soon);
+    struct scree_pair_load load;
+    scree_pair_press(p, &later, &load);
+    struct scree_drawn drawn = brace(p, &later, load.normal);
+    at->sliding = drawn.k * soon * vec_norm(drawn.slip) > drawn.limit;
 }
 
 struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct scree_pair_instant *at) {

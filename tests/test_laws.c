@@ -525,6 +525,36 @@ static void test_descriptions(void) {
     }
 }
 
+/* A law that is like another one goes through the loops of that one, with constants of its own. */
+static void test_likes(void) {
+    uint64_t seed = 7;
+    int likes = 0;
+    for (int l = 0; scree_normal_laws[l]; l++) {
+        const struct scree_normal_law *law = scree_normal_laws[l], *like = law->like;
+        if (!like) continue;
+        likes++;
+        CHECK(!like->like && scree_normal_laws[scree_find_normal_law(like->text.name)] == like);
+        CHECK(law->cut == like->cut && law->memory == like->memory && law->turns_smoothly == like->turns_smoothly);
+        CHECK(law->raises == like->raises && law->root == like->root && !law->reach == !like->reach);
+        CHECK(!law->bends == !like->bends);
+        for (int n = 0; n < 1000; n++) {
+            struct scree_law_constants c = {.exponent = scree_exponent_of(n % 2 ? 1.5 : 1.4)};
+            struct scree_pair_constants pair;
+            double at[8];
+            check_draw(&seed, 0.5, 2.0, 4, c.c);
+            check_draw(&seed, 0.5, 2.0, 4, pair.c);
+            check_draw(&seed, -1.0, 1.0, 8, at);
+            struct scree_pressing from = scree_pressed(at[0], at[1], at[2], at[3]);
+            struct scree_pressing to = scree_pressed(at[4], at[5], at[2], at[3]);
+            struct scree_normal_force one = law->force(&c, pair, from), other = like->force(&c, pair, from);
+            CHECK(memcmp(&one, &other, sizeof one) == 0);
+            if (from.overlap > 0.0) CHECK(law->stored(&c, pair, from) == like->stored(&c, pair, from));
+            if (law->bends) CHECK(law->bends(&c, pair, from, to) == like->bends(&c, pair, from, to));
+        }
+    }
+    CHECK(likes >= 9);
+}
+
 int main(void) {
     test_damping_for_restitution();
     test_linear_tables();
@@ -541,5 +571,6 @@ int main(void) {
     test_coulomb_unloads();
     test_refusals();
     test_descriptions();
+    test_likes();
     return check_report();
 }
