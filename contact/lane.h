@@ -86,7 +86,7 @@ struct rk_step {
      * none. */
     double holds[2][SCREE_LANES];
     double turns[2][SCREE_LANES]; /* until approach turns into parting: the closing speed, m/s */
-    double pulls[2][SCREE_LANES]; /* until the contact pulls, N; 1: without friction, which ends there */
+    double pulls[2][SCREE_LANES]; /* until the contact pulls, where friction ends, N */
     double bends[SCREE_LANES];    /* 1: the normal law changes its formula on the way */
     double kept[2][SCREE_LANES];  /* what it remembers at the end */
     double d[SCREE_LANES], u[SCREE_LANES], v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES];
@@ -95,6 +95,7 @@ struct rk_step {
     double rub[3][SCREE_LANES], rub_moment[3][SCREE_LANES], deep[3][SCREE_LANES];
     double rubbed[SCREE_LANES];
     double coarse[SCREE_LANES]; /* 1: too long a step */
+    double dips[SCREE_LANES];   /* 1: a slider may have changed twice */
     /* The clock of a root, t = offset + span sigma^p: where it stands, and its step. */
     double offset[SCREE_LANES], span[SCREE_LANES], sigma[SCREE_LANES], size[SCREE_LANES];
 };
@@ -227,9 +228,6 @@ static SCREE_INLINE void squeeze_step(struct smooth_normal laws, const struct sc
     to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &end);
     to->turns[0][k] = first.u;
     to->turns[1][k] = u;
-    to->pulls[0][k] = to->pulls[1][k] = 1.0;
-    to->holds[0][k] = to->holds[1][k] = 1.0;
-    to->coarse[k] = 0.0;
     put_squeeze(&first, 0, k, by);
     put_squeeze(&second, 1, k, by);
     put_squeeze(&third, 2, k, by);
@@ -405,6 +403,25 @@ static SCREE_INLINE double holds_nearly(struct smooth_friction laws, const struc
     return 1e-9 * (laws.bare && slides > 0.0 ? vec_norm(at->slip) : at->limit);
 }
 
+/* As holds_at, but for a bare spring that slides, in squares. */
+static SCREE_INLINE double holds_squared(struct smooth_friction laws, const struct stage *at) {
+    double bears = vec_norm2(laws.all_stick ? at->force : trial_at(at)), left = at->holds * at->holds - bears;
+    if (laws.all_stick || !(at->slides > 0.0)) return left;
+    return laws.bare ? 0.0 : bears - at->limit * at->limit;
+}
+
+/* Whether a slider may have changed twice on the way from the first stage to the end, where nothing is to be seen of
+ * it: whether the parabola through both and the middle falls below zero. */
+static SCREE_INLINE double dips_at(struct smooth_friction laws, const struct stage *first, const struct stage *second,
+                                   const struct stage *third, const struct stage *end) {
+    if (laws.rub) return 0.0;
+    double begin = holds_squared(laws, first), last = holds_squared(laws, end);
+    double middle = 0.5 * (holds_squared(laws, second) + holds_squared(laws, third));
+    double bend = 2.0 * (begin - 2.0 * middle + last), slope = 4.0 * middle - 3.0 * begin - last;
+    int inside = (begin >= 0.0) & (last >= 0.0) & (slope < 0.0) & (slope + 2.0 * bend > 0.0);
+    return (inside & (slope * slope > 4.0 * bend * begin)) ? 1.0 : 0.0;
+}
+
 /* What friction makes of the same step. */
 static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scree_rule *rule,
                                   const struct lane_constants *m, int k, double step, struct course *c,
@@ -455,6 +472,7 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
     to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, 0, SOON) + holds_nearly(laws, &first);
     to->holds[1][k] = holds_at(laws, rule, m, k, step, &end, by, STAGES - 1, SOON + 1);
     to->coarse[k] = coarse_at(m, k, &first, &second, &third, time);
+    to->dips[k] = dips_at(laws, &first, &second, &third, &end);
 }
 
 /* ---- where the force sets in as a root of the overlap ---- */
@@ -513,7 +531,6 @@ static SCREE_INLINE void squeeze_by_clock(struct smooth_normal laws, const struc
     to->press_moment[k] = end.moment;
     to->lasts[1][k] = lasts_at(laws.cut, m->give[k], step, &at);
     to->turns[1][k] = at.u;
-    to->pulls[1][k] = to->holds[1][k] = 1.0;
 }
 
 /* What friction has yielded since a time: impulses and their integrals, and where its slider is. */
@@ -578,6 +595,9 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
     put(to->rub, k, end.rub);
     put(to->rub_moment, k, end.rub_moment);
     put(to->deep, k, end.deep);
+    double dips =
+        to->holds[1][k] < 0.0 ? 1.0 : dips_at(laws, &first, &second, &third, &at); /* 0: of the piece before */
+    to->dips[k] = to->size[k] != 0.0 && dips > 0.0 ? 1.0 : to->dips[k];
     to->rubbed[k] = end.rubbed;
     to->slides[k] = at.slides;
     to->pulls[1][k] = at.normal;

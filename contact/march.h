@@ -227,7 +227,7 @@ static int is_controlled(const struct smooth_pass *pass) { return pass->rubs && 
 /* What may have happened in the step of a lane; each 1 if it has, else 0. `odd`: the overlap isn't one any more, or
  * the normal law has another formula. */
 struct seen {
-    double coarse, turns, presses, pulls, slips, ends, odd;
+    double coarse, dips, turns, presses, pulls, slips, ends, odd;
 };
 
 /* From what is positive before an event to what is negative behind it. */
@@ -251,6 +251,7 @@ static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, int rub
         double by_pull = pass->pulls ? 1.0 : 0.0;
         seen.presses = passes(-to->pulls[0][k], -to->pulls[1][k]) ? by_pull : 0.0;
         seen.pulls = passes(to->pulls[0][k], to->pulls[1][k]) ? by_pull : 0.0;
+        seen.dips = x->m.grid[k] > pass->step / 40.0 ? to->dips[k] : 0.0; /* six times shorter at most */
         seen.slips = ((to->holds[0][k] < 0.0) | (to->holds[1][k] < 0.0)) ? 1.0 : 0.0;
     }
     return seen;
@@ -266,7 +267,7 @@ static SCREE_INLINE double look_lane(const struct smooth_pass *pass, int rubs, i
     what = seen.slips > 0.0 ? SLIPS : what;
     what = seen.presses > 0.0 ? PRESSES : what; /* first of all: sliders are looked at once more up to there */
     what = seen.turns > 0.0 ? TURNS : what;
-    what = ((seen.coarse > 0.0) & (what < ODD)) ? COARSE : what;
+    what = ((seen.coarse + seen.dips > 0.0) & (what < ODD)) ? COARSE : what;
     what = seen.odd > 0.0 ? ODD : what;
     return x->to.time[k] > 0.0 ? what : NOTHING;
 }
@@ -368,7 +369,8 @@ static void look_at_begin(const struct smooth_pass *pass, int count, struct marc
 /* Nothing has been yielded yet. */
 static SCREE_INLINE void begin_tick(int rubs, int changes, int k, struct march *x) {
     const struct vec none = {0.0, 0.0, 0.0};
-    x->to.press[k] = x->to.press_moment[k] = 0.0;
+    x->to.press[k] = x->to.press_moment[k] = x->to.dips[k] = 0.0;
+    x->to.holds[1][k] = 1.0;
     if (changes) {
         x->to.kept[0][k] = x->c.kept[0][k];
         x->to.kept[1][k] = x->c.kept[1][k];

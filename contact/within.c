@@ -123,6 +123,7 @@ struct stages {
     double time[4], along[4];
     struct scree_drawn first;
     struct vec rate[4];
+    double left[4]; /* left_of */
     int in_stretch;
 };
 
@@ -174,6 +175,25 @@ static struct scree_drawn grip_later(const struct scree_pair_motion *p, const st
     return drawn;
 }
 
+/* By how much a slider that holds, or one that slides behind a dashpot, is off from changing, in squares, N^2; `drawn`
+ * as it is at an instant. */
+static double left_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
+                      const struct scree_drawn *drawn, double normal) {
+    double bears = vec_norm2(trial_of(drawn));
+    if (at->sliding > 0.0) return p->bare ? 0.0 : bears - drawn->limit * drawn->limit;
+    double holds = scree_hold_on(p->friction, p->friction_law, sliding_of(p, at, normal), at->inside).holds;
+    return holds * holds - bears;
+}
+
+/* Whether it may have changed twice on the way, where nothing is to be seen of it at the end: whether the parabola
+ * through begin, middle and end falls below zero. */
+static int dips(const double left[4], double last) {
+    double middle = 0.5 * (left[1] + left[2]), bend = 2.0 * (left[0] - 2.0 * middle + last);
+    double slope = 4.0 * middle - 3.0 * left[0] - last;
+    int inside = left[0] >= 0.0 && last >= 0.0 && slope < 0.0 && slope + 2.0 * bend > 0.0;
+    return inside && slope * slope > 4.0 * bend * left[0];
+}
+
 /* Forces at stage k, whose time, overlap and velocity are set; `size` is that of the step in its variable, which ends
  * after `time`. */
 static void load_stage(const struct scree_pair_motion *p, struct stages *s, int k, double size, double time) {
@@ -184,11 +204,13 @@ static void load_stage(const struct scree_pair_motion *p, struct stages *s, int 
     load->rubbing = 0.0;
     if (p->slider && k == 0) {
         grip_first(p, s, time);
+        s->left[0] = left_of(p, at, &s->first, load->normal);
         push_back(&s->first, load);
     } else if (p->slider) {
         struct vec remembers = vec_axpy(s->at[0].stretch, share, s->rate[k - 1]);
         struct scree_drawn drawn = grip_later(p, s, s->time[k], remembers, load->normal, at);
         s->rate[k] = vec_scale(s->in_stretch ? 1.0 : drawn.k, drawn.slip);
+        s->left[k] = left_of(p, at, &drawn, load->normal);
         push_back(&drawn, load);
     } else if (p->friction) {
         double between = 0.5 * (s->load[0].normal + load->normal); /* on the way there */
@@ -197,15 +219,18 @@ static void load_stage(const struct scree_pair_motion *p, struct stages *s, int 
     }
 }
 
-/* What a slider remembers at the end, whose overlap and velocity are set. */
+/* What a slider remembers at the end, whose overlap and velocity are set, and whether it may have changed. */
 static void finish_slider(const struct scree_pair_motion *p, const struct stages *s, double size, double time,
-                          struct scree_pair_instant *end) {
+                          struct scree_pair_instant *end, struct scree_pair_yield *yield) {
     struct scree_pair_load load;
     struct vec remembers = s->at[0].stretch;
     for (int k = 0; k < 4; k++) remembers = vec_axpy(remembers, weight[k] * size * s->along[k], s->rate[k]);
     scree_pair_press(p, end, &load);
     struct scree_drawn drawn = grip_later(p, s, time, remembers, load.normal, end);
     if (p->friction->in_force && s->in_stretch) end->stretch = vec_scale(drawn.k, end->stretch);
+    double last = left_of(p, end, &drawn, load.normal);
+    yield->dips = dips(s->left, last);
+    yield->below = last < 0.0;
 }
 
 /* Of the four stages, at a quarter and at three quarters of the step in its variable: on the parabola through its ends
@@ -217,7 +242,7 @@ static const double at_quarter[2][4] = {{0.375, 0.375, 0.375, -0.125}, {-0.125, 
  * place of what the stages have, whose forces are those of the normal law then. */
 static struct scree_pair_yield bend_through(const struct scree_pair_motion *p, struct stages *s, double time,
                                             struct scree_pair_instant *end) {
-    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
     struct scree_pair_instant now = s->at[0];
     double left = time;
     for (int late = 0; late < 2; late++) {
@@ -253,7 +278,8 @@ static void finish_stages(const struct scree_pair_motion *p, const struct stages
         yield->lost += share * s->load[k].normal * closing_of(p, &s->at[k]);
         yield->rubbed += share * s->load[k].rubbing;
     }
-    if (p->slider) finish_slider(p, s, size, time, end);
+    yield->dips = yield->below = 0;
+    if (p->slider) finish_slider(p, s, size, time, end, yield);
     remember(p, end);
     yield->lost -= stored(p, end) - stored(p, &s->at[0]); /* the work of the force that isn't there any more */
 }
@@ -272,7 +298,7 @@ static struct scree_pair_instant move(const struct scree_pair_motion *p, const s
         load_stage(p, &s, k, time, time);
     }
     struct scree_pair_instant end = s.at[0];
-    struct scree_pair_yield bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    struct scree_pair_yield bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
     if (has_bristles(p)) bristles = bend_through(p, &s, time, &end);
     struct vec ends = vec_add(s.load[0].force, s.load[3].force), inner = vec_add(s.load[1].force, s.load[2].force);
     yield->impulse = vec_axpy(bristles.impulse, time / 6.0, vec_axpy(ends, 2.0, inner));
@@ -352,7 +378,8 @@ static double clock_time(const struct clock *c, double ticks, double *along) {
 static void tick(const struct scree_pair_motion *p, const struct clock *c, const struct scree_pair_instant *from,
                  int piece, struct scree_pair_instant *now, struct scree_pair_yield *yield) {
     struct stages s = {.at = {*now, *now, *now, *now}};
-    struct scree_pair_yield sum = *yield, bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0}, part = bristles;
+    struct scree_pair_yield sum = *yield, bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0},
+                            part = bristles;
     struct vec impulse[4];
     double size = c->size, ignored;
     double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
@@ -388,6 +415,8 @@ static void tick(const struct scree_pair_motion *p, const struct clock *c, const
     finish_stages(p, &s, size, after - before, now, &part);
     sum.lost += part.lost;
     sum.rubbed += part.rubbed;
+    sum.dips |= part.dips | sum.below;
+    sum.below = part.below;
     *yield = sum;
 }
 
@@ -396,7 +425,7 @@ static struct scree_pair_instant move_by_clock(const struct scree_pair_motion *p
                                                struct nearness near, double time, struct scree_pair_yield *yield) {
     struct clock c = clock_for(p, near, time);
     struct scree_pair_instant now = *from;
-    *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
     for (int piece = 0; piece < c.pieces; piece++) tick(p, &c, from, piece, &now, yield);
     return now;
 }
@@ -558,7 +587,7 @@ static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree
     if (!p->slider) return 0;
     if (gripping(p, from, NULL) < 0.0) {
         *to = *from;
-        *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+        *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
         *time = 0.0;
         return 1;
     }
@@ -601,7 +630,7 @@ static void add(struct scree_pair_yield *sum, const struct scree_pair_yield *par
 /* Free flight: what is stored in an overlap without force is lost. */
 static void fly(const struct scree_pair_motion *p, struct scree_pair_instant *at, double time,
                 struct scree_pair_yield *sum) {
-    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
     double before = stored(p, at);
     struct scree_pair_instant from = *at;
     place(p, &from, time, &nothing, at);
@@ -627,6 +656,11 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
             continue;
         }
         struct scree_pair_instant to = go(p, at, near, piece, &part);
+        int parted = 0;
+        for (; part.dips && piece > p->step / 40.0; parted = 1) {
+            piece *= 0.5;
+            to = go(p, at, near, piece, &part);
+        }
         double closing = closing_of(p, at);
         /* Where nothing moves to speak of, no force changes either. */
         int turns =
@@ -644,7 +678,7 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
         int slips = slipped < MOST_SLIPS && shorten_to_slip(p, at, near, &piece, &to, &part);
         if (slips) turns = bent = presses = ends = crosses = 0;
         slipped += slips + crosses;
-        time = turns || bent || presses || ends || slips || crosses ? time + piece : goal;
+        time = parted || turns || bent || presses || ends || slips || crosses ? time + piece : goal;
         if (!(time < p->step)) time = p->step;
         add(sum, &part, p->step - time);
         *at = to;
@@ -664,7 +698,7 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
 static double begin(const struct scree_pair_motion *p, double time, struct scree_pair_instant *at,
                     struct scree_pair_yield *sum) {
     struct scree_pair_instant from = *at, end = *at;
-    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
     double left = p->step - time, closing = closing_of(p, at), speeding = -vec_dot(p->a, p->n), start = 0.0;
     place(p, &from, left, &nothing, &end);
     if (!(lasting(p, &end) > 0.0) || end.overlap <= 0.0) return p->step;
@@ -711,7 +745,7 @@ static void meet(const struct scree_pair_motion *p, struct scree_pair_instant *a
 }
 
 struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
-    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
     int touches = at->overlap > 0.0;
     if (p->normal->reach)
         touches = touches || at->second > 0.0;

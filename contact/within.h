@@ -50,6 +50,7 @@ struct scree_pair_load {
 struct scree_pair_yield {
     struct vec impulse, moment;
     double lost, rubbed;
+    int dips, below; /* of a piece: a slider may have changed twice in it; it has changed by the end */
 };
 
 /* The normal law as it is, without its cut: so its force is smooth up to the end of the contact and beyond. */

@@ -508,6 +508,64 @@ static void test_oblique(void) {
     }
 }
 
+/* A slider that breaks loose and holds again within a step changes the rest of the contact, though nothing is to be
+ * seen of it at the end: by up to the jump from static to kinetic friction (4e-3 to 2e-2 of the speed at these angles,
+ * if it is missed). The bound is three times that of oblique impacts at 20 steps a contact: where a load just exceeds
+ * what is held, its error moves the instant by its root. */
+static void test_slips_in_between(void) {
+    static const struct {
+        const char *laws;
+        double degrees;
+    } cases[] = {{"normal = { law=\"linear-loading\", stiffness=1e5, restitution=0.5 }\n"
+                  "friction = { law=\"mindlin\", static=0.4, kinetic=0.3, shear_modulus=8e6, damping=0.2 }",
+                  38.0},
+                 {"normal = { law=\"linear-cut\", stiffness=1e5, restitution=0.5 }\n"
+                  "friction = { law=\"mindlin-incremental\", static=0.4, kinetic=0.3, shear_modulus=8e6, damping=0.2 }",
+                  38.0},
+                 {"normal = { law=\"flores\", stiffness=5e6, exponent=1.4, restitution=0.5 }\n"
+                  "friction = { law=\"mindlin-rescaled\", static=0.4, kinetic=0.3, shear_modulus=8e6, damping=0.2 }",
+                  18.0},
+                 {"normal = { law=\"tsuji\", stiffness=5e6, restitution=0.5 }\n"
+                  "friction = { law=\"coulomb\", static=0.3, kinetic=0.3, stiffness=8e4, damping=5.0 }",
+                  28.0}};
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        double fine[2], v[2], worst = 0.0;
+        strike(cases[c].degrees, cases[c].laws, 4e-7, 0.3, pair_impulse, 4, fine);
+        for (int phase = 0; phase < 16; phase++) {
+            double part = (phase + 0.5) / 16.0, step = 1.7e-3 / (19.5 + part);
+            strike(cases[c].degrees, cases[c].laws, step, fmod(7.3 * part, 1.0), pair_impulse, 0, v);
+            worst = scree_most(worst, scree_most(fabs(v[0] - fine[0]), fabs(v[1] - fine[1])));
+        }
+        show("in between", cases[c].laws + 9, worst, cases[c].degrees);
+        NEAR(worst, 0.0, 1e-3);
+    }
+}
+
+/* Springs that keep their force, under laws that change where they turn, or pull at once: as test_oblique has them for
+ * those that keep their stretch. With a hold that was missed the errors were 1e-2 and more, and runs stopped where
+ * contact ended as a slider broke loose. */
+static void test_turns_of_sliders(void) {
+    static const struct oblique cases[] = {
+        {"normal = { law=\"linear-loading\", stiffness=1e5, restitution=0.5 }\nfriction = { "
+         "law=\"mindlin-incremental\", static=0.3, kinetic=0.3, shear_modulus=8e6 }",
+         1.5e-3, 0},
+        {"normal = { law=\"jankowski\", stiffness=5e6, restitution=0.5 }\nfriction = { law=\"mindlin-incremental\", "
+         "static=0.3, kinetic=0.3, shear_modulus=8e6 }",
+         1.63e-3, 0},
+        {"normal = { law=\"dmt\", stiffness=5e6, adhesion=20.0 }\nfriction = { law=\"mindlin-rescaled\", static=0.3, "
+         "kinetic=0.3, shear_modulus=8e6 }",
+         1.67e-3, 0}};
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        double fine[12][2];
+        for (int k = 0; k < 12; k++)
+            strike(5.0 + 5.0 * k, cases[c].laws, cases[c].duration / 4000.0, 0.3, pair_impulse, 4, fine[k]);
+        double at20 = worst_strike(&cases[c], 20.0, 0, fine), at50 = worst_strike(&cases[c], 50.0, 0, fine);
+        show("turns", cases[c].laws + 9, at20, at50);
+        NEAR(at20, 0.0, 3e-4);
+        NEAR(at50, 0.0, 4.8e-5);
+    }
+}
+
 /* ---- rolling ---- */
 
 /* A ball that slips, rolls, twists and is brought to rest by rolling resistance. */
@@ -1234,6 +1292,8 @@ int main(void) {
     test_rows();
     test_cradle();
     test_oblique();
+    test_slips_in_between();
+    test_turns_of_sliders();
     test_rolling();
     test_rolling_begins();
     test_turning_slip();
