@@ -397,21 +397,28 @@ static SCREE_INLINE double holds_at(struct smooth_friction laws, const struct sc
     return at->slides > 0.0 ? dragged - growth : left;
 }
 
-/* Rounding of that where it has just been zero. */
-static SCREE_INLINE double holds_nearly(struct smooth_friction laws, const struct stage *at) {
+/* What of that doesn't count at the begin of a step: rounding where it has just been zero; of a bare spring, whose
+ * force doesn't jump there unless the law changes its formula, a hundred thousandth of the load, or what makes so much
+ * in a step. (At rest it is zero but for the small motions of others.) */
+static SCREE_INLINE double holds_nearly(struct smooth_friction laws, double step, const struct stage *at) {
     double slides = laws.all_stick ? 0.0 : at->slides;
-    return 1e-9 * (laws.bare && slides > 0.0 ? vec_norm(at->slip) : at->limit);
+    if (!laws.bare) return 1e-9 * at->limit;
+    double force = 1e-5 * at->limit, speed = force / (at->stiffness * step);
+    return slides > 0.0 ? speed : force;
 }
 
 /* As holds_at, but for a bare spring that slides, in squares. */
 static SCREE_INLINE double holds_squared(struct smooth_friction laws, const struct stage *at) {
     double bears = vec_norm2(laws.all_stick ? at->force : trial_at(at)), left = at->holds * at->holds - bears;
-    if (laws.all_stick || !(at->slides > 0.0)) return left;
-    return laws.bare ? 0.0 : bears - at->limit * at->limit;
+    if (laws.all_stick) return left;
+    double holds = at->slides > 0.0 ? 0.0 : 1.0; /* a number: a choice would keep gcc from making vectors */
+    if (laws.bare) return holds * left;
+    return holds * left + (1.0 - holds) * (bears - at->limit * at->limit);
 }
 
 /* Whether a slider may have changed twice on the way from the first stage to the end, where nothing is to be seen of
- * it: whether the parabola through both and the middle falls below zero. */
+ * it: whether the parabola through both and the middle falls below zero, by a twenty-thousandth of the load at least.
+ */
 static SCREE_INLINE double dips_at(struct smooth_friction laws, const struct stage *first, const struct stage *second,
                                    const struct stage *third, const struct stage *end) {
     if (laws.rub) return 0.0;
@@ -419,7 +426,7 @@ static SCREE_INLINE double dips_at(struct smooth_friction laws, const struct sta
     double middle = 0.5 * (holds_squared(laws, second) + holds_squared(laws, third));
     double bend = 2.0 * (begin - 2.0 * middle + last), slope = 4.0 * middle - 3.0 * begin - last;
     int inside = (begin >= 0.0) & (last >= 0.0) & (slope < 0.0) & (slope + 2.0 * bend > 0.0);
-    return (inside & (slope * slope > 4.0 * bend * begin)) ? 1.0 : 0.0;
+    return (inside & (slope * slope > 4.0 * bend * (begin + 1e-4 * first->limit * first->limit))) ? 1.0 : 0.0;
 }
 
 /* What friction makes of the same step. */
@@ -469,7 +476,7 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
     to->slides[k] = end.slides;
     to->pulls[0][k] = first.normal;
     to->pulls[1][k] = end.normal;
-    to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, 0, SOON) + holds_nearly(laws, &first);
+    to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, 0, SOON) + holds_nearly(laws, step, &first);
     to->holds[1][k] = holds_at(laws, rule, m, k, step, &end, by, STAGES - 1, SOON + 1);
     to->coarse[k] = coarse_at(m, k, &first, &second, &third, time);
     to->dips[k] = dips_at(laws, &first, &second, &third, &end);
@@ -595,9 +602,8 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
     put(to->rub, k, end.rub);
     put(to->rub_moment, k, end.rub_moment);
     put(to->deep, k, end.deep);
-    double dips =
-        to->holds[1][k] < 0.0 ? 1.0 : dips_at(laws, &first, &second, &third, &at); /* 0: of the piece before */
-    to->dips[k] = to->size[k] != 0.0 && dips > 0.0 ? 1.0 : to->dips[k];
+    double changed = to->holds[1][k] < 0.0 ? 1.0 : 0.0; /* by the end of the piece before */
+    to->dips[k] = to->size[k] != 0.0 ? to->dips[k] + changed : to->dips[k];
     to->rubbed[k] = end.rubbed;
     to->slides[k] = at.slides;
     to->pulls[1][k] = at.normal;

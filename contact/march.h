@@ -251,8 +251,9 @@ static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, int rub
         double by_pull = pass->pulls ? 1.0 : 0.0;
         seen.presses = passes(-to->pulls[0][k], -to->pulls[1][k]) ? by_pull : 0.0;
         seen.pulls = passes(to->pulls[0][k], to->pulls[1][k]) ? by_pull : 0.0;
-        seen.dips = x->m.grid[k] > pass->step / 40.0 ? to->dips[k] : 0.0; /* six times shorter at most */
+        double dips = x->m.grid[k] > pass->step / 40.0 ? to->dips[k] : 0.0; /* six times shorter at most */
         seen.slips = ((to->holds[0][k] < 0.0) | (to->holds[1][k] < 0.0)) ? 1.0 : 0.0;
+        seen.dips = seen.slips > 0.0 ? 0.0 : dips;
     }
     return seen;
 }

@@ -186,12 +186,12 @@ static double left_of(const struct scree_pair_motion *p, const struct scree_pair
 }
 
 /* Whether it may have changed twice on the way, where nothing is to be seen of it at the end: whether the parabola
- * through begin, middle and end falls below zero. */
-static int dips(const double left[4], double last) {
+ * through begin, middle and end falls below zero, by a twenty-thousandth of the load at least. */
+static int dips(const double left[4], double last, double limit) {
     double middle = 0.5 * (left[1] + left[2]), bend = 2.0 * (left[0] - 2.0 * middle + last);
     double slope = 4.0 * middle - 3.0 * left[0] - last;
     int inside = left[0] >= 0.0 && last >= 0.0 && slope < 0.0 && slope + 2.0 * bend > 0.0;
-    return inside && slope * slope > 4.0 * bend * left[0];
+    return inside && slope * slope > 4.0 * bend * (left[0] + 1e-4 * limit * limit);
 }
 
 /* Forces at stage k, whose time, overlap and velocity are set; `size` is that of the step in its variable, which ends
@@ -229,7 +229,7 @@ static void finish_slider(const struct scree_pair_motion *p, const struct stages
     struct scree_drawn drawn = grip_later(p, s, time, remembers, load.normal, end);
     if (p->friction->in_force && s->in_stretch) end->stretch = vec_scale(drawn.k, end->stretch);
     double last = left_of(p, end, &drawn, load.normal);
-    yield->dips = dips(s->left, last);
+    yield->dips = dips(s->left, last, s->first.limit);
     yield->below = last < 0.0;
 }
 
@@ -415,7 +415,7 @@ static void tick(const struct scree_pair_motion *p, const struct clock *c, const
     finish_stages(p, &s, size, after - before, now, &part);
     sum.lost += part.lost;
     sum.rubbed += part.rubbed;
-    sum.dips |= part.dips | sum.below;
+    sum.dips |= sum.below; /* its pieces are short; what begins like a root's tenth power is no parabola */
     sum.below = part.below;
     *yield = sum;
 }
@@ -457,15 +457,18 @@ static const double so_soon = 1e-5;
 
 /* What a slider that holds could still bear, N; by how much more (N) one that slides would have to bear if it held; the
  * force of a bare spring can't be more than what it slides with: by how much faster (m/s) it is dragged than what it
- * remembers grows as its load allows. `from`: where the piece began that ends here; NULL: here one begins, and what it
- * could bear less counts for rounding. */
+ * remembers grows as its load allows. `from`: where the piece began that ends here; NULL: here one begins, and a
+ * little doesn't count (lane.h). */
 static double gripping(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                        const struct scree_pair_instant *from) {
     struct scree_pair_load load;
     scree_pair_press(p, at, &load);
     struct scree_drawn drawn = brace(p, at, load.normal);
     drawn.stretch = p->friction->in_force ? vec_scale(1.0 / drawn.k, at->stretch) : at->stretch;
-    double bears = vec_norm(trial_of(&drawn)), rounding = from ? 0.0 : 1e-9,
+    double bears = vec_norm(trial_of(&drawn)),
+           rounding = from      ? 0.0
+                      : p->bare ? 1e-5
+                                : 1e-9,
            soon = (from ? -so_soon : so_soon) * p->step;
     struct scree_sliding sliding = sliding_of(p, at, load.normal);
     if (!(at->sliding > 0.0))
@@ -480,7 +483,7 @@ static double gripping(const struct scree_pair_motion *p, const struct scree_pai
     scree_pair_press(p, &later, &load);
     struct scree_drawn next = brace(p, &later, load.normal);
     double growth = (next.limit / (in_stretch ? next.k : drawn.k) - drawn.limit / drawn.k) / soon;
-    return vec_dot(drawn.slip, along) - growth + rounding * vec_norm(drawn.slip);
+    return vec_dot(drawn.slip, along) - growth + rounding * drawn.limit / (drawn.k * p->step);
 }
 
 /* Of a slider whose hold jumps at a speed: how far it is from there, m/s. */
@@ -657,7 +660,7 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
         }
         struct scree_pair_instant to = go(p, at, near, piece, &part);
         int parted = 0;
-        for (; part.dips && piece > p->step / 40.0; parted = 1) {
+        for (; part.dips && !part.below && piece > p->step / 40.0 && !(gripping(p, at, NULL) < 0.0); parted = 1) {
             piece *= 0.5;
             to = go(p, at, near, piece, &part);
         }
