@@ -511,7 +511,7 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
     set_give(p, &ball, &host);
     struct vec velocity = slip_of(&ball, &host);
     o->at = instant_of(p, place, now, velocity, vec_add(ball.spin, host.spin));
-    o->sum = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+    o->sum = (struct scree_pair_yield){.lost = 0.0};
     /* Corners bear all; the plain normal would foretell a touch. */
     int covered = batch->geometry == SCREE_EDGE_EDGE && now.overlap == 0.0;
     if (now.overlap > 0.5 * SCREE_OUTSIDE && p->normal_give > 0.0 && !covered) {

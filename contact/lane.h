@@ -173,17 +173,17 @@ static SCREE_INLINE double lasts_at(int cut, double give, double step, const str
     return at->d > 0.0 ? within : beyond;
 }
 
-/* So much of the step later, at its begin, or sooner, at its end, the load on a slider is asked for once more: inside
- * the step, where its formula holds. */
-static const double so_soon = 1e-5;
-
-static SCREE_INLINE double soon_after(int i, double step) { return i == 0 ? so_soon * step : -so_soon * step; }
+/* From an instant to the one that is asked for once more, s. */
+static SCREE_INLINE double soon_after(int soon, double step) {
+    return soon == SOON ? SCREE_SO_SOON * step : -SCREE_SO_SOON * step;
+}
 
 static SCREE_INLINE void squeeze_soon(struct smooth_normal laws, const struct scree_rule *rule,
-                                      const struct lane_constants *m, int k, double step, struct course *c, int i,
-                                      int soon, struct squeezes *by) {
+                                      const struct lane_constants *m, int k, double step, struct course *c, int soon,
+                                      struct squeezes *by) {
+    int i = soon == SOON ? 0 : STAGES - 1;
     struct squeeze at = {.d = by->d[i][k], .u = by->u[i][k], .normal = by->normal[i][k]};
-    struct squeeze next = squeeze_on(laws, rule, m, c->kept, k, &at, &at, soon_after(i, step));
+    struct squeeze next = squeeze_on(laws, rule, m, c->kept, k, &at, &at, soon_after(soon, step));
     put_squeeze(&next, soon, k, by);
 }
 
@@ -317,8 +317,12 @@ static SCREE_INLINE void grip_stage(struct smooth_friction laws, const struct sc
     brace_stage(laws, rule, m, k, at);
     at->force = vec_scale(-1.0, trial_at(at));
     if (laws.all_stick) return;
-    struct scree_drawn before = {
-        first->stiffness, first->drag, first->limit, first->slip, vec_scale(-1.0, first->force), first->s};
+    struct scree_drawn before = {.k = first->stiffness,
+                                 .drag = first->drag,
+                                 .limit = first->limit,
+                                 .slip = first->slip,
+                                 .carries = vec_scale(-1.0, first->force),
+                                 .stretch = first->s};
     struct scree_drawn drawn = {.k = at->stiffness, .drag = at->drag, .limit = at->limit, .slip = at->slip};
     scree_draw_on(&before, 1.0, time, laws.bare, &drawn);
     at->s = at->slides > 0.0 ? drawn.stretch : at->s;
@@ -384,49 +388,31 @@ static SCREE_INLINE double coarse_at(const struct lane_constants *m, int k, cons
  * stretch grows that its load, `soon`, allows. */
 static SCREE_INLINE double holds_at(struct smooth_friction laws, const struct scree_rule *rule,
                                     const struct lane_constants *m, int k, double step, const struct stage *at,
-                                    const struct squeezes *by, int i, int soon) {
+                                    const struct squeezes *by, int soon) {
     if (laws.rub) return 1.0;
     double bears = vec_norm(trial_at(at)), left = at->holds - bears;
     if (laws.all_stick) return left;
     if (!laws.bare) return at->slides > 0.0 ? bears - at->limit : left;
     struct stage next = stage_of(by, soon, k);
     brace_stage(laws, rule, m, k, &next);
-    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / soon_after(i, step);
+    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / soon_after(soon, step);
     struct vec towards = vec_axpy(at->s, 1e-12 * step, at->slip); /* nothing is stretched yet at the very begin */
     double dragged = vec_dot(at->slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED);
     return at->slides > 0.0 ? dragged - growth : left;
 }
 
-/* What of that doesn't count at the begin of a step: rounding where it has just been zero; of a bare spring, whose
- * force doesn't jump there unless the law changes its formula, a hundred thousandth of the load, or what makes so much
- * in a step. (At rest it is zero but for the small motions of others.) */
-static SCREE_INLINE double holds_nearly(struct smooth_friction laws, double step, const struct stage *at) {
-    double slides = laws.all_stick ? 0.0 : at->slides;
-    if (!laws.bare) return 1e-9 * at->limit;
-    double force = 1e-5 * at->limit, speed = force / (at->stiffness * step);
-    return slides > 0.0 ? speed : force;
-}
-
 /* As holds_at, but for a bare spring that slides, in squares. */
 static SCREE_INLINE double holds_squared(struct smooth_friction laws, const struct stage *at) {
-    double bears = vec_norm2(laws.all_stick ? at->force : trial_at(at)), left = at->holds * at->holds - bears;
-    if (laws.all_stick) return left;
-    double holds = at->slides > 0.0 ? 0.0 : 1.0; /* a number: a choice would keep gcc from making vectors */
-    if (laws.bare) return holds * left;
-    return holds * left + (1.0 - holds) * (bears - at->limit * at->limit);
+    if (laws.all_stick) return at->holds * at->holds - vec_norm2(at->force);
+    return scree_left(laws.bare, at->slides, vec_norm2(trial_at(at)), at->holds, at->limit);
 }
 
-/* Whether a slider may have changed twice on the way from the first stage to the end, where nothing is to be seen of
- * it: whether the parabola through both and the middle falls below zero, by a twenty-thousandth of the load at least.
- */
+/* 1: a slider may have changed twice on the way from the first stage to the end. */
 static SCREE_INLINE double dips_at(struct smooth_friction laws, const struct stage *first, const struct stage *second,
                                    const struct stage *third, const struct stage *end) {
     if (laws.rub) return 0.0;
-    double begin = holds_squared(laws, first), last = holds_squared(laws, end);
     double middle = 0.5 * (holds_squared(laws, second) + holds_squared(laws, third));
-    double bend = 2.0 * (begin - 2.0 * middle + last), slope = 4.0 * middle - 3.0 * begin - last;
-    int inside = (begin >= 0.0) & (last >= 0.0) & (slope < 0.0) & (slope + 2.0 * bend > 0.0);
-    return (inside & (slope * slope > 4.0 * bend * (begin + 1e-4 * first->limit * first->limit))) ? 1.0 : 0.0;
+    return scree_dips(holds_squared(laws, first), middle, holds_squared(laws, end), first->limit);
 }
 
 /* What friction makes of the same step. */
@@ -476,8 +462,9 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
     to->slides[k] = end.slides;
     to->pulls[0][k] = first.normal;
     to->pulls[1][k] = end.normal;
-    to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, 0, SOON) + holds_nearly(laws, step, &first);
-    to->holds[1][k] = holds_at(laws, rule, m, k, step, &end, by, STAGES - 1, SOON + 1);
+    double nearly = scree_nearly(laws.bare, laws.all_stick ? 0.0 : first.slides, first.limit, first.stiffness, step);
+    to->holds[0][k] = holds_at(laws, rule, m, k, step, &first, by, SOON) + nearly;
+    to->holds[1][k] = holds_at(laws, rule, m, k, step, &end, by, SOON + 1);
     to->coarse[k] = coarse_at(m, k, &first, &second, &third, time);
     to->dips[k] = dips_at(laws, &first, &second, &third, &end);
 }
@@ -607,7 +594,7 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
     to->rubbed[k] = end.rubbed;
     to->slides[k] = at.slides;
     to->pulls[1][k] = at.normal;
-    to->holds[1][k] = holds_at(laws, rule, m, k, step, &at, by, STAGES - 1, SOON + 1);
+    to->holds[1][k] = holds_at(laws, rule, m, k, step, &at, by, SOON + 1);
 }
 
 /* ---- before the step ---- */

@@ -147,7 +147,7 @@ static void meet_lanes(const struct smooth_pass *pass, int count, const int *beg
     int any = 0;
     recall_lanes(pass, &x->m, count, 1, &x->c);
     for (int k = 0; k < padded(count); k++) {
-        x->to.time[k] = begins[k] ? so_soon * pass->step : 0.0;
+        x->to.time[k] = begins[k] ? SCREE_SO_SOON * pass->step : 0.0;
         any |= begins[k];
     }
     if (!any || !pass->bare) return;
@@ -251,7 +251,7 @@ static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, int rub
         double by_pull = pass->pulls ? 1.0 : 0.0;
         seen.presses = passes(-to->pulls[0][k], -to->pulls[1][k]) ? by_pull : 0.0;
         seen.pulls = passes(to->pulls[0][k], to->pulls[1][k]) ? by_pull : 0.0;
-        double dips = x->m.grid[k] > pass->step / 40.0 ? to->dips[k] : 0.0; /* six times shorter at most */
+        double dips = x->m.grid[k] > pass->step / SCREE_FINEST ? to->dips[k] : 0.0;
         seen.slips = ((to->holds[0][k] < 0.0) | (to->holds[1][k] < 0.0)) ? 1.0 : 0.0;
         seen.dips = seen.slips > 0.0 ? 0.0 : dips;
     }
@@ -359,7 +359,7 @@ static int set_clock(const struct smooth_pass *pass, int k, int ends, struct mar
 /* What tells events, at the begin of the step; of a slider soon behind it: at the very begin there may be no forces yet
  * to compare. */
 static void look_at_begin(const struct smooth_pass *pass, int count, struct march *x) {
-    double time[SCREE_LANES], soon = pass->damped ? 1e-5 : 0.0;
+    double time[SCREE_LANES], soon = pass->damped ? SCREE_SO_SOON : 0.0;
     memcpy(time, x->to.time, sizeof time);
     for (int k = 0; k < padded(count); k++) x->to.time[k] *= soon;
     step_lanes(pass, &x->m, count, &x->c, &x->to);

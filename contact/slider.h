@@ -60,11 +60,44 @@ static SCREE_INLINE struct scree_tangential scree_slider_end(struct scree_slider
 
 /* ---- a slider followed in time, by those who locate where it breaks loose and where it holds again ---- */
 
+/* So much of a step behind its begin, or before its end, the load on a slider is asked for once more: inside the step,
+ * where its formula holds. */
+#define SCREE_SO_SOON 1e-5
+
+/* Where a slider may have changed twice, steps are halved until they are so much shorter. */
+enum { SCREE_FINEST = 40 };
+
+/* How far a slider that holds, or one that slides behind a dashpot, is from changing, in squares, N^2; `bears`: the
+ * square of what spring and dashpot would bear, N^2; `holds` and `slides`: scree_hold. (Numbers, not choices, which
+ * keep gcc from making vectors.) */
+static SCREE_INLINE double scree_left(int bare, double sliding, double bears, double holds, double slides) {
+    double held = sliding > 0.0 ? 0.0 : 1.0, left = held * (holds * holds - bears);
+    return bare ? left : left + (1.0 - held) * (bears - slides * slides);
+}
+
+/* Whether it may have changed twice on the way, where nothing is to be seen of it at the end: whether the parabola
+ * through begin, middle and end falls below zero, by a twenty-thousandth of the load `slides` at least. 1 or 0. */
+static SCREE_INLINE double scree_dips(double begin, double middle, double last, double slides) {
+    double bend = 2.0 * (begin - 2.0 * middle + last), slope = 4.0 * middle - 3.0 * begin - last;
+    int inside = (begin >= 0.0) & (last >= 0.0) & (slope < 0.0) & (slope + 2.0 * bend > 0.0);
+    return (inside & (slope * slope > 4.0 * bend * (begin + 1e-4 * slides * slides))) ? 1.0 : 0.0;
+}
+
+/* By how much a slider that should have changed at the begin of a step may be off, and it doesn't count: by rounding,
+ * where it has just been on the verge; behind a bare spring, whose force doesn't jump there unless the normal law
+ * changes its formula, by a hundred thousandth of the load, N, or while it slides by what makes so much in a step, m/s.
+ * (At rest it is on the verge but for the small motions of others.) */
+static SCREE_INLINE double scree_nearly(int bare, double sliding, double slides, double stiffness, double step) {
+    double force = (bare ? 1e-5 : 1e-9) * slides, speed = force / (stiffness * step);
+    return ((bare != 0) & (sliding > 0.0)) ? speed : force;
+}
+
 /* Spring, dashpot and slider at an instant: stiffness, N/m; damping, N s/m; the force with which it slides, N; how it
- * is dragged, m/s; what spring and dashpot carry, N; the stretch, m. */
+ * is dragged, m/s; what spring and dashpot carry, N; the stretch, m; what it holds, N, if that is asked for. */
 struct scree_drawn {
     double k, drag, limit;
     struct vec slip, carries, stretch;
+    double holds;
 };
 
 /* `time` after `first` a slider that has slid all along slides with a force along what spring and dashpot would bear,

@@ -54,8 +54,8 @@
         struct scree_rule own = *rule;                                                                                 \
         if (laws.none) return;                                                                                         \
         SCREE_FOR_EXPONENT(laws.raises, own.normal_constants, {                                                        \
-            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, c, 0, SOON, by);)                                       \
-            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, c, STAGES - 1, SOON + 1, by);)                          \
+            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, c, SOON, by);)                                          \
+            SMOOTH_VECTOR(squeeze_soon(laws, &own, m, k, step, c, SOON + 1, by);)                                      \
         });                                                                                                            \
     }                                                                                                                  \
     __attribute__((flatten)) static void rate_##word(const struct scree_rule *rule, struct lane_constants *m,          \

@@ -83,14 +83,16 @@ static struct vec drag(const struct scree_pair_motion *p, const struct scree_pai
     return f.force;
 }
 
-/* A slider at an instant whose overlap, velocity and normal force are set: spring, dashpot and limit. */
+/* A slider at an instant whose overlap, velocity and normal force are set: spring, dashpot and what it bears. */
 static struct scree_drawn brace(const struct scree_pair_motion *p, const struct scree_pair_instant *at, double normal) {
     struct scree_sliding sliding = sliding_of(p, at, normal);
     double overlap = at->overlap > 0.0 ? at->overlap : 0.0;
+    struct scree_hold hold = scree_hold_on(p->friction, p->friction_law, sliding, at->inside);
     return (struct scree_drawn){.k = p->friction->stiffness(p->friction_law, p->friction_pair, overlap),
                                 .drag = p->friction->damping(p->friction_law, p->friction_pair, overlap),
-                                .limit = scree_hold_on(p->friction, p->friction_law, sliding, at->inside).slides,
-                                .slip = sliding.velocity};
+                                .limit = hold.slides,
+                                .slip = sliding.velocity,
+                                .holds = hold.holds};
 }
 
 /* What spring and dashpot would bear if the slider held, N. */
@@ -123,7 +125,7 @@ struct stages {
     double time[4], along[4];
     struct scree_drawn first;
     struct vec rate[4];
-    double left[4]; /* left_of */
+    double left[4]; /* how far from changing (scree_left) */
     int in_stretch;
 };
 
@@ -175,23 +177,9 @@ static struct scree_drawn grip_later(const struct scree_pair_motion *p, const st
     return drawn;
 }
 
-/* By how much a slider that holds, or one that slides behind a dashpot, is off from changing, in squares, N^2; `drawn`
- * as it is at an instant. */
 static double left_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
-                      const struct scree_drawn *drawn, double normal) {
-    double bears = vec_norm2(trial_of(drawn));
-    if (at->sliding > 0.0) return p->bare ? 0.0 : bears - drawn->limit * drawn->limit;
-    double holds = scree_hold_on(p->friction, p->friction_law, sliding_of(p, at, normal), at->inside).holds;
-    return holds * holds - bears;
-}
-
-/* Whether it may have changed twice on the way, where nothing is to be seen of it at the end: whether the parabola
- * through begin, middle and end falls below zero, by a twenty-thousandth of the load at least. */
-static int dips(const double left[4], double last, double limit) {
-    double middle = 0.5 * (left[1] + left[2]), bend = 2.0 * (left[0] - 2.0 * middle + last);
-    double slope = 4.0 * middle - 3.0 * left[0] - last;
-    int inside = left[0] >= 0.0 && last >= 0.0 && slope < 0.0 && slope + 2.0 * bend > 0.0;
-    return inside && slope * slope > 4.0 * bend * (left[0] + 1e-4 * limit * limit);
+                      const struct scree_drawn *drawn) {
+    return scree_left(p->bare, at->sliding, vec_norm2(trial_of(drawn)), drawn->holds, drawn->limit);
 }
 
 /* Forces at stage k, whose time, overlap and velocity are set; `size` is that of the step in its variable, which ends
@@ -204,13 +192,13 @@ static void load_stage(const struct scree_pair_motion *p, struct stages *s, int 
     load->rubbing = 0.0;
     if (p->slider && k == 0) {
         grip_first(p, s, time);
-        s->left[0] = left_of(p, at, &s->first, load->normal);
+        s->left[0] = left_of(p, at, &s->first);
         push_back(&s->first, load);
     } else if (p->slider) {
         struct vec remembers = vec_axpy(s->at[0].stretch, share, s->rate[k - 1]);
         struct scree_drawn drawn = grip_later(p, s, s->time[k], remembers, load->normal, at);
         s->rate[k] = vec_scale(s->in_stretch ? 1.0 : drawn.k, drawn.slip);
-        s->left[k] = left_of(p, at, &drawn, load->normal);
+        s->left[k] = left_of(p, at, &drawn);
         push_back(&drawn, load);
     } else if (p->friction) {
         double between = 0.5 * (s->load[0].normal + load->normal); /* on the way there */
@@ -228,8 +216,8 @@ static void finish_slider(const struct scree_pair_motion *p, const struct stages
     scree_pair_press(p, end, &load);
     struct scree_drawn drawn = grip_later(p, s, time, remembers, load.normal, end);
     if (p->friction->in_force && s->in_stretch) end->stretch = vec_scale(drawn.k, end->stretch);
-    double last = left_of(p, end, &drawn, load.normal);
-    yield->dips = dips(s->left, last, s->first.limit);
+    double last = left_of(p, end, &drawn);
+    yield->dips = scree_dips(s->left[0], 0.5 * (s->left[1] + s->left[2]), last, s->first.limit) > 0.0;
     yield->below = last < 0.0;
 }
 
@@ -242,7 +230,7 @@ static const double at_quarter[2][4] = {{0.375, 0.375, 0.375, -0.125}, {-0.125, 
  * place of what the stages have, whose forces are those of the normal law then. */
 static struct scree_pair_yield bend_through(const struct scree_pair_motion *p, struct stages *s, double time,
                                             struct scree_pair_instant *end) {
-    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+    struct scree_pair_yield sum = {.lost = 0.0};
     struct scree_pair_instant now = s->at[0];
     double left = time;
     for (int late = 0; late < 2; late++) {
@@ -298,7 +286,7 @@ static struct scree_pair_instant move(const struct scree_pair_motion *p, const s
         load_stage(p, &s, k, time, time);
     }
     struct scree_pair_instant end = s.at[0];
-    struct scree_pair_yield bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+    struct scree_pair_yield bristles = {.lost = 0.0};
     if (has_bristles(p)) bristles = bend_through(p, &s, time, &end);
     struct vec ends = vec_add(s.load[0].force, s.load[3].force), inner = vec_add(s.load[1].force, s.load[2].force);
     yield->impulse = vec_axpy(bristles.impulse, time / 6.0, vec_axpy(ends, 2.0, inner));
@@ -378,8 +366,7 @@ static double clock_time(const struct clock *c, double ticks, double *along) {
 static void tick(const struct scree_pair_motion *p, const struct clock *c, const struct scree_pair_instant *from,
                  int piece, struct scree_pair_instant *now, struct scree_pair_yield *yield) {
     struct stages s = {.at = {*now, *now, *now, *now}};
-    struct scree_pair_yield sum = *yield, bristles = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0},
-                            part = bristles;
+    struct scree_pair_yield sum = *yield, bristles = {.lost = 0.0}, part = bristles;
     struct vec impulse[4];
     double size = c->size, ignored;
     double before = clock_time(c, piece, &ignored), after = clock_time(c, piece + 1, &ignored);
@@ -425,7 +412,7 @@ static struct scree_pair_instant move_by_clock(const struct scree_pair_motion *p
                                                struct nearness near, double time, struct scree_pair_yield *yield) {
     struct clock c = clock_for(p, near, time);
     struct scree_pair_instant now = *from;
-    *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+    *yield = (struct scree_pair_yield){.lost = 0.0};
     for (int piece = 0; piece < c.pieces; piece++) tick(p, &c, from, piece, &now, yield);
     return now;
 }
@@ -451,29 +438,20 @@ static struct scree_pair_instant soon_after(const struct scree_pair_motion *p, c
     return next;
 }
 
-/* So much of the step later, at the begin of a piece, or sooner, at its end, the load on a slider is asked for once
- * more: inside the piece, where its formula holds. */
-static const double so_soon = 1e-5;
-
 /* What a slider that holds could still bear, N; by how much more (N) one that slides would have to bear if it held; the
  * force of a bare spring can't be more than what it slides with: by how much faster (m/s) it is dragged than what it
- * remembers grows as its load allows. `from`: where the piece began that ends here; NULL: here one begins, and a
- * little doesn't count (lane.h). */
+ * remembers grows as its load allows. `from`: where the piece began that ends here; NULL: here one begins, and what
+ * is nearly so counts as so. */
 static double gripping(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                        const struct scree_pair_instant *from) {
     struct scree_pair_load load;
     scree_pair_press(p, at, &load);
     struct scree_drawn drawn = brace(p, at, load.normal);
     drawn.stretch = p->friction->in_force ? vec_scale(1.0 / drawn.k, at->stretch) : at->stretch;
-    double bears = vec_norm(trial_of(&drawn)),
-           rounding = from      ? 0.0
-                      : p->bare ? 1e-5
-                                : 1e-9,
-           soon = (from ? -so_soon : so_soon) * p->step;
-    struct scree_sliding sliding = sliding_of(p, at, load.normal);
-    if (!(at->sliding > 0.0))
-        return scree_hold_on(p->friction, p->friction_law, sliding, at->inside).holds - bears + rounding * drawn.limit;
-    if (!p->bare) return bears - drawn.limit + rounding * drawn.limit;
+    double bears = vec_norm(trial_of(&drawn)), soon = (from ? -SCREE_SO_SOON : SCREE_SO_SOON) * p->step;
+    double nearly = from ? 0.0 : scree_nearly(p->bare, at->sliding, drawn.limit, drawn.k, p->step);
+    if (!(at->sliding > 0.0)) return drawn.holds - bears + nearly;
+    if (!p->bare) return bears - drawn.limit + nearly;
     struct vec along = vec_axpy(drawn.stretch, 1e-12 * p->step, drawn.slip); /* no stretch yet at the very begin */
     along = vec_scale(1.0 / (vec_norm(along) + SCREE_NO_SPEED), along);
     struct scree_pair_instant later = soon_after(p, at, vec_axpy(load.force, -drawn.limit, along), soon);
@@ -483,7 +461,7 @@ static double gripping(const struct scree_pair_motion *p, const struct scree_pai
     scree_pair_press(p, &later, &load);
     struct scree_drawn next = brace(p, &later, load.normal);
     double growth = (next.limit / (in_stretch ? next.k : drawn.k) - drawn.limit / drawn.k) / soon;
-    return vec_dot(drawn.slip, along) - growth + rounding * drawn.limit / (drawn.k * p->step);
+    return vec_dot(drawn.slip, along) - growth + nearly;
 }
 
 /* Of a slider whose hold jumps at a speed: how far it is from there, m/s. */
@@ -590,7 +568,7 @@ static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree
     if (!p->slider) return 0;
     if (gripping(p, from, NULL) < 0.0) {
         *to = *from;
-        *yield = (struct scree_pair_yield){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+        *yield = (struct scree_pair_yield){.lost = 0.0};
         *time = 0.0;
         return 1;
     }
@@ -633,7 +611,7 @@ static void add(struct scree_pair_yield *sum, const struct scree_pair_yield *par
 /* Free flight: what is stored in an overlap without force is lost. */
 static void fly(const struct scree_pair_motion *p, struct scree_pair_instant *at, double time,
                 struct scree_pair_yield *sum) {
-    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+    struct scree_pair_yield nothing = {.lost = 0.0};
     double before = stored(p, at);
     struct scree_pair_instant from = *at;
     place(p, &from, time, &nothing, at);
@@ -660,7 +638,8 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
         }
         struct scree_pair_instant to = go(p, at, near, piece, &part);
         int parted = 0;
-        for (; part.dips && !part.below && piece > p->step / 40.0 && !(gripping(p, at, NULL) < 0.0); parted = 1) {
+        for (; part.dips && !part.below && piece > p->step / SCREE_FINEST && !(gripping(p, at, NULL) < 0.0);
+             parted = 1) {
             piece *= 0.5;
             to = go(p, at, near, piece, &part);
         }
@@ -701,7 +680,7 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
 static double begin(const struct scree_pair_motion *p, double time, struct scree_pair_instant *at,
                     struct scree_pair_yield *sum) {
     struct scree_pair_instant from = *at, end = *at;
-    struct scree_pair_yield nothing = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+    struct scree_pair_yield nothing = {.lost = 0.0};
     double left = p->step - time, closing = closing_of(p, at), speeding = -vec_dot(p->a, p->n), start = 0.0;
     place(p, &from, left, &nothing, &end);
     if (!(lasting(p, &end) > 0.0) || end.overlap <= 0.0) return p->step;
@@ -739,7 +718,7 @@ static void meet(const struct scree_pair_motion *p, struct scree_pair_instant *a
     at->first = touching.first;
     at->second = touching.second;
     if (!p->bare) return;
-    double soon = so_soon * p->step;
+    double soon = SCREE_SO_SOON * p->step;
     struct scree_pair_instant later = soon_after(p, at, vec(0.0, 0.0, 0.0), soon);
     struct scree_pair_load load;
     scree_pair_press(p, &later, &load);
@@ -748,7 +727,7 @@ static void meet(const struct scree_pair_motion *p, struct scree_pair_instant *a
 }
 
 struct scree_pair_yield scree_pair_act(const struct scree_pair_motion *p, struct scree_pair_instant *at) {
-    struct scree_pair_yield sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0, 0};
+    struct scree_pair_yield sum = {.lost = 0.0};
     int touches = at->overlap > 0.0;
     if (p->normal->reach)
         touches = touches || at->second > 0.0;

@@ -1,6 +1,6 @@
 /* Observed orders of convergence of the fixed-step integrators, on the smooth cases of scree-bench precision
  * (bench/precision_cases.c) and variations of them; and the errors of a frictional pile. tests/test_integrators.c has
- * lone impacts of every normal law, rows, cradles and oblique impacts with their bounds.
+ * lone impacts of every normal law, rows and cradles with their bounds, tests/test_oblique.c oblique impacts.
  *
  * The order is the slope, by least squares, of the logarithm of the error's root mean square over phases of first
  * touch. What orders are to be expected (h: step):
