@@ -40,8 +40,10 @@ struct smooth_friction {
     rub_law *rub; /* NULL: it is a slider */
     hold_law *hold;
     at_overlap *stiffness, *damping;
-    int bare;      /* the spring has no dashpot beside it */
-    int all_stick; /* no slider of the loop slides: how one does isn't reckoned */
+    int bare;        /* the spring has no dashpot beside it */
+    int all_stick;   /* no slider of the loop slides: how one does isn't reckoned */
+    int in_force;    /* what is kept is the force of the spring; */
+    double rescales; /* 1: it falls with the stiffness while the overlap does */
     int none;
 };
 
@@ -65,7 +67,7 @@ struct lane_constants {
  * (w_a + w_b) x n/2, where v is that at the levers of the start. */
 struct course {
     double d[SCREE_LANES], u[SCREE_LANES];                          /* overlap, m; closing speed, m/s */
-    double v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES]; /* m/s; 1/s; friction's memory */
+    double v[3][SCREE_LANES], q[3][SCREE_LANES], s[3][SCREE_LANES]; /* m/s; 1/s; friction's memory, m or N */
     double slides[SCREE_LANES];
     double kept[2][SCREE_LANES];                          /* what the normal law remembers */
     double rest[SCREE_LANES];                             /* of the step, that the contact still has before it, s */
@@ -245,6 +247,7 @@ struct stage {
     double slides;
     double stiffness, drag; /* of spring and dashpot, N/m, N s/m */
     double limit, holds;    /* with which the slider slides, and what it holds, N */
+    double stretched;       /* of a spring whose force is kept: 1: in this step it is its stretch that goes on */
 };
 
 static SCREE_INLINE struct scree_pair_constants friction_pair_of(const struct lane_constants *m, int k) {
@@ -289,15 +292,38 @@ static SCREE_INLINE struct vec trial_at(const struct stage *at) {
     return vec_axpy(vec_scale(at->stiffness, at->s), at->drag, at->slip);
 }
 
-/* Friction at a stage whose stretch is known. A slider holds or slides whatever comes, until the step ends where it
- * shouldn't any more; a bare spring that slides has the stretch of its force. */
+/* What goes on through a step is the stretch, m, or, of a spring whose force is kept and doesn't fall with the
+ * stiffness, that force, N: so much of it to a stretch of 1 m. */
+static SCREE_INLINE double unit_at(struct smooth_friction laws, const struct stage *at) {
+    if (!laws.in_force) return 1.0;
+    return at->stretched > 0.0 ? 1.0 : at->stiffness;
+}
+
+/* Between two stages: stretches that carry one force, the later over the earlier. */
+static SCREE_INLINE double share_of(struct smooth_friction laws, double before, const struct stage *at) {
+    return laws.in_force ? before / unit_at(laws, at) : 1.0;
+}
+
+/* How a spring goes through the step of `time` that begins here: where the overlap is about to fall, by its stretch. */
+static SCREE_INLINE double stretched_at(struct smooth_friction laws, const struct lane_constants *m, int k, double time,
+                                        const struct stage *at) {
+    double later = at->u + 0.5 * time * (m->closing[k] - m->give[k] * at->normal);
+    return later < 0.0 ? laws.rescales : 0.0;
+}
+
+/* Friction at the first stage of a step of `time`, whose memory is known. A slider holds or slides whatever comes,
+ * until the step ends where it shouldn't any more; a bare spring that slides has the stretch of its force. */
 static SCREE_INLINE void hold_stage(struct smooth_friction laws, const struct scree_rule *rule,
-                                    const struct lane_constants *m, int k, struct stage *at) {
+                                    const struct lane_constants *m, int k, double time, struct stage *at) {
     if (laws.rub) {
         rub_stage(laws, rule, m, k, at);
         return;
     }
     brace_stage(laws, rule, m, k, at);
+    if (laws.in_force) {
+        at->stretched = stretched_at(laws, m, k, time, at);
+        at->s = vec_scale(1.0 / at->stiffness, at->s);
+    }
     struct vec trial = trial_at(at);
     at->force = vec_scale(-1.0, trial);
     if (laws.all_stick) return;
@@ -306,7 +332,7 @@ static SCREE_INLINE void hold_stage(struct smooth_friction laws, const struct sc
     if (laws.bare) at->s = vec_scale(scale, at->s);
 }
 
-/* Friction at a stage `time` after the first one, whose stretch is that of a slider that holds. */
+/* Friction at a stage `time` after the first one, where a slider that holds has kept so much. */
 static SCREE_INLINE void grip_stage(struct smooth_friction laws, const struct scree_rule *rule,
                                     const struct lane_constants *m, int k, const struct stage *first, double time,
                                     struct stage *at) {
@@ -315,16 +341,19 @@ static SCREE_INLINE void grip_stage(struct smooth_friction laws, const struct sc
         return;
     }
     brace_stage(laws, rule, m, k, at);
+    at->stretched = first->stretched;
+    if (laws.in_force) at->s = vec_scale(1.0 / unit_at(laws, at), at->s);
     at->force = vec_scale(-1.0, trial_at(at));
     if (laws.all_stick) return;
+    double share = share_of(laws, unit_at(laws, first), at);
     struct scree_drawn before = {.k = first->stiffness,
                                  .drag = first->drag,
                                  .limit = first->limit,
                                  .slip = first->slip,
                                  .carries = vec_scale(-1.0, first->force),
-                                 .stretch = first->s};
+                                 .stretch = vec_scale(share, first->s)};
     struct scree_drawn drawn = {.k = at->stiffness, .drag = at->drag, .limit = at->limit, .slip = at->slip};
-    scree_draw_on(&before, 1.0, time, laws.bare, &drawn);
+    scree_draw_on(&before, share, time, laws.bare, &drawn);
     at->s = at->slides > 0.0 ? drawn.stretch : at->s;
     at->force = at->slides > 0.0 ? vec_scale(-1.0, drawn.carries) : at->force;
 }
@@ -337,18 +366,35 @@ static SCREE_INLINE struct vec vec_middle(struct vec a, struct vec b) { return v
 static SCREE_INLINE void redraw(struct smooth_friction laws, const struct stage *second, const struct stage *third,
                                 double early, double time, struct stage *at) {
     if (laws.rub || laws.bare || laws.all_stick) return;
-    struct scree_drawn before = {.k = 0.5 * (second->stiffness + third->stiffness),
+    double stiffness = 0.5 * (second->stiffness + third->stiffness);
+    double share = share_of(laws, at->stretched > 0.0 ? 1.0 : stiffness, at);
+    struct scree_drawn before = {.k = stiffness,
                                  .drag = 0.5 * (second->drag + third->drag),
                                  .limit = 0.5 * (second->limit + third->limit),
                                  .slip = vec_middle(second->slip, third->slip),
                                  .carries = vec_scale(-1.0, vec_middle(second->force, third->force)),
-                                 .stretch = vec_middle(second->s, third->s)};
+                                 .stretch = vec_scale(share, vec_middle(second->s, third->s))};
     struct scree_drawn drawn = {.k = at->stiffness, .drag = at->drag, .limit = at->limit, .slip = at->slip};
     double late = time - early, parts = early * early * early + late * late * late;
-    scree_draw_on(&before, 1.0, late, 0, &drawn);
-    double share = parts / (time * time * time - parts + SCREE_NO_SPEED); /* s^3, too */
-    struct vec better = vec_axpy(drawn.stretch, share, vec_sub(drawn.stretch, at->s));
+    scree_draw_on(&before, share, late, 0, &drawn);
+    double more = parts / (time * time * time - parts + SCREE_NO_SPEED); /* s^3, too */
+    struct vec better = vec_axpy(drawn.stretch, more, vec_sub(drawn.stretch, at->s));
     at->s = at->slides > 0.0 ? better : at->s;
+}
+
+/* What a spring has kept, of one whose force is kept as it goes through the step. */
+static SCREE_INLINE struct vec kept_at(struct smooth_friction laws, const struct stage *at) {
+    return vec_scale(unit_at(laws, at), at->s);
+}
+
+/* How that grows, m/s or N/s. */
+static SCREE_INLINE struct vec grows_at(struct smooth_friction laws, const struct stage *at) {
+    return vec_scale(unit_at(laws, at), at->slip);
+}
+
+/* What the spring keeps beyond the step. */
+static SCREE_INLINE struct vec keeps_at(struct smooth_friction laws, const struct stage *at) {
+    return laws.in_force ? vec_scale(at->stiffness, at->s) : at->s;
 }
 
 /* Where the rates of `at` lead in that time from the first stage. */
@@ -360,7 +406,7 @@ static SCREE_INLINE void rub_on(struct smooth_friction laws, const struct scree_
     to->v = vec_axpy(first->v, time, vec_axpy(aside, m->give_aside[k] - shorter * m->lever[0][k], at->force));
     to->q = vec_axpy(first->q, -0.5 * time * (m->lever[0][k] - shorter * m->lever[1][k]), at->force);
     to->slip = vec_axpy(to->v, to->d - m->start[k], to->q);
-    to->s = vec_axpy(first->s, time, at->slip);
+    to->s = vec_axpy(kept_at(laws, first), time, grows_at(laws, at));
     to->slides = first->slides;
     grip_stage(laws, rule, m, k, first, time, to);
 }
@@ -395,7 +441,9 @@ static SCREE_INLINE double holds_at(struct smooth_friction laws, const struct sc
     if (!laws.bare) return at->slides > 0.0 ? bears - at->limit : left;
     struct stage next = stage_of(by, soon, k);
     brace_stage(laws, rule, m, k, &next);
-    double growth = (next.limit / next.stiffness - at->limit / at->stiffness) / soon_after(soon, step);
+    double unit = next.stiffness;
+    if (laws.in_force) unit = stretched_at(laws, m, k, 0.0, at) > 0.0 ? next.stiffness : at->stiffness;
+    double growth = (next.limit / unit - at->limit / at->stiffness) / soon_after(soon, step);
     struct vec towards = vec_axpy(at->s, 1e-12 * step, at->slip); /* nothing is stretched yet at the very begin */
     double dragged = vec_dot(at->slip, towards) / (vec_norm(towards) + SCREE_NO_SPEED);
     return at->slides > 0.0 ? dragged - growth : left;
@@ -427,7 +475,7 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
     first.slip = vec_axpy(first.v, first.d - m->start[k], first.q);
     first.s = get(c->s, k);
     first.slides = end.slides = c->slides[k];
-    hold_stage(laws, rule, m, k, &first);
+    hold_stage(laws, rule, m, k, time, &first);
     rub_on(laws, rule, m, k, &first, &first, 0.5 * time, &second);
     rub_on(laws, rule, m, k, &first, &second, 0.5 * time, &third);
     rub_on(laws, rule, m, k, &first, &third, time, &fourth);
@@ -445,14 +493,14 @@ static SCREE_INLINE void rub_step(struct smooth_friction laws, const struct scre
     end.q = vec_axpy(first.q, -0.5 * m->lever[0][k], rub);
     end.q = vec_axpy(end.q, 0.25 * m->lever[1][k], deep);
     end.slip = vec_axpy(end.v, end.d - m->start[k], end.q);
-    struct vec inner = vec_add(second.slip, third.slip);
-    struct vec slip = vec_axpy(vec_add(first.slip, fourth.slip), 2.0, inner);
-    end.s = vec_axpy(first.s, share, slip);
+    struct vec inner = vec_add(grows_at(laws, &second), grows_at(laws, &third));
+    struct vec grows = vec_axpy(vec_add(grows_at(laws, &first), grows_at(laws, &fourth)), 2.0, inner);
+    end.s = vec_axpy(kept_at(laws, &first), share, grows);
     grip_stage(laws, rule, m, k, &first, time, &end);
     redraw(laws, &second, &third, 0.5 * time, time, &end);
     put(to->v, k, end.v);
     put(to->q, k, end.q);
-    put(to->s, k, end.s);
+    put(to->s, k, keeps_at(laws, &end));
     put(to->deep, k, deep);
     put(to->rub, k, rub);
     put(to->rub_moment, k, vec_scale(share * time, vec_add(first.force, between)));
@@ -559,8 +607,9 @@ static SCREE_INLINE struct yields rub_tick(struct smooth_friction laws, const st
     if (first)
         grip_stage(laws, rule, m, k, first, t - by->since[0][k], at);
     else
-        hold_stage(laws, rule, m, k, at);
-    return (struct yields){-vec_dot(at->force, at->slip), at->force, so_far->rub, vec_scale(deep, at->force), at->slip};
+        hold_stage(laws, rule, m, k, by->since[STAGES - 1][k] - t, at);
+    return (struct yields){-vec_dot(at->force, at->slip), at->force, so_far->rub, vec_scale(deep, at->force),
+                           grows_at(laws, at)};
 }
 
 static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct scree_rule *rule,
@@ -570,6 +619,8 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
     struct yields start = {to->rubbed[k], get(to->rub, k), get(to->rub_moment, k), get(to->deep, k), get(to->s, k)};
     struct stage first, second, third, at;
     struct yields rate = rub_tick(laws, rule, m, k, c, &start, by, 0, NULL, &first);
+    struct vec kept = start.s;
+    if (laws.in_force) start.s = kept_at(laws, &first);
     struct yields end = add_yields(start, sixth * by->along[0][k], &rate);
     struct yields now = add_yields(start, 0.5 * by->along[0][k], &rate);
     rate = rub_tick(laws, rule, m, k, c, &now, by, 1, &first, &second);
@@ -582,10 +633,9 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
     end = add_yields(end, sixth * by->along[3][k], &rate);
     rub_tick(laws, rule, m, k, c, &end, by, 4, &first, &at);
     redraw(laws, &second, &third, by->since[2][k] - by->since[0][k], by->since[4][k] - by->since[0][k], &at);
-    at.s = to->size[k] == 0.0 ? start.s : at.s; /* a slider's stretch is scaled to its limit: not once more */
     put(to->v, k, at.v);
     put(to->q, k, at.q);
-    put(to->s, k, at.s);
+    put(to->s, k, to->size[k] == 0.0 ? kept : keeps_at(laws, &at)); /* rounded, and scaled to its limit: not twice */
     put(to->rub, k, end.rub);
     put(to->rub_moment, k, end.rub_moment);
     put(to->deep, k, end.deep);
@@ -594,7 +644,8 @@ static SCREE_INLINE void rub_by_clock(struct smooth_friction laws, const struct 
     to->rubbed[k] = end.rubbed;
     to->slides[k] = at.slides;
     to->pulls[1][k] = at.normal;
-    to->holds[1][k] = holds_at(laws, rule, m, k, step, &at, by, SOON + 1);
+    double holds = holds_at(laws, rule, m, k, step, &at, by, SOON + 1);
+    to->holds[1][k] = to->size[k] == 0.0 ? to->holds[1][k] : holds; /* likewise */
 }
 
 /* ---- before the step ---- */

@@ -86,13 +86,15 @@
     }
 SCREE_NORMAL_LAWS(SMOOTH_NORMAL)
 
-/* Sliders that keep their stretch and hold the same at every speed; what remembers nothing is smooth, too. */
-#define SMOOTH_SLIDERS(LAW) LAW(coulomb) LAW(mindlin)
+/* Sliders that hold the same at every speed; what remembers nothing is smooth, too. What differs from mindlin_rescaled
+ * by that word alone goes through its loops. */
+#define SMOOTH_SLIDERS(LAW) LAW(coulomb) LAW(mindlin) LAW(mindlin_rescaled)
 
 #define SLIDER_OF(word, is_bare, sticks)                                                                               \
     {                                                                                                                  \
         .hold = scree_friction_##word.hold, .stiffness = scree_friction_##word.stiffness,                              \
-        .damping = scree_friction_##word.damping, .bare = is_bare, .all_stick = sticks                                 \
+        .damping = scree_friction_##word.damping, .bare = is_bare, .all_stick = sticks,                                \
+        .in_force = scree_friction_##word.in_force, .rescales = scree_friction_laws[rule->friction]->rescaled          \
     }
 #define RUB_OF(word)                                                                                                   \
     {                                                                                                                  \
@@ -154,8 +156,9 @@ static const struct {
 /* NULL: there are none. `stuck`: no slider slides. */
 static const struct friction_loops *friction_loops_of(int friction, int bare, int stuck) {
     if (!scree_friction_laws[friction]->memory) return &smooth_rubs[friction];
+    int like = friction == FRICTION_mindlin_incremental ? FRICTION_mindlin_rescaled : friction;
     for (size_t k = 0; k < sizeof smooth_sliders / sizeof *smooth_sliders; k++)
-        if (smooth_sliders[k].friction == friction) return &smooth_sliders[k].loops[bare][stuck];
+        if (smooth_sliders[k].friction == like) return &smooth_sliders[k].loops[bare][stuck];
     return NULL;
 }
 
@@ -194,6 +197,8 @@ static struct smooth_pass smooth_pass_of(const struct scree_contacts *contacts, 
     int slider = friction->hold != NULL, bare = slider && is_bare(rule, batch, first);
     for (int stuck = 0; stuck < 2; stuck++) pass.friction[stuck] = friction_loops_of(rule->friction, bare, stuck);
     if (!pass.friction[0]) pass.normal = NULL;
+    pass.turns |= friction->rescaled;
+    pass.changes |= friction->rescaled;
     pass.damped = slider && !bare;
     pass.bare = slider && bare;
     pass.slope = friction->slope(&rule->friction_constants);

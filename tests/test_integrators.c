@@ -655,7 +655,12 @@ static void test_neighbours(void) {
         "normal = { law = \"thornton\", modulus = 7e7, yield = 2e6 }\n"
         "friction = { law = \"coulomb\", static = 0.5, kinetic = 0.5, stiffness = 1e4 }",
         "normal = { law = \"linear-loading\", stiffness = 1e4, restitution = 0.7 }\n"
-        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.5, shear_modulus = 3.5e7 }"};
+        "friction = { law = \"mindlin\", static = 0.5, kinetic = 0.5, shear_modulus = 3.5e7 }",
+        "normal = { law = \"hertz\", modulus = 7e7 }\n"
+        "friction = { law = \"mindlin-incremental\", static = 0.5, kinetic = 0.5, shear_modulus = 3.5e7 }",
+        "normal = { law = \"tsuji\", modulus = 7e7, restitution = 0.7 }\n"
+        "friction = { law = \"mindlin-rescaled\", static = 0.5, kinetic = 0.3, shear_modulus = 3.5e7, damping = 0.1 "
+        "}"};
     for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
         scree_scene *together = grazing_pairs(laws[l], -1);
         go(together, 30);

@@ -555,6 +555,21 @@ static void test_likes(void) {
     CHECK(likes >= 9);
 }
 
+/* Springs whose force is kept go through loops of one law, told whether their force falls with the stiffness: they have
+ * everything else in common that is asked of a slider there. */
+static void test_springs_in_force(void) {
+    const struct scree_friction_law *like = scree_friction_laws[scree_find_friction_law("mindlin-rescaled")];
+    int likes = 0;
+    for (int l = 0; scree_friction_laws[l]; l++) {
+        const struct scree_friction_law *law = scree_friction_laws[l];
+        if (!law->in_force) continue;
+        likes++;
+        CHECK(law->stiffness == like->stiffness && law->damping == like->damping && law->hold == like->hold);
+        CHECK(law->slope == like->slope && law->root == like->root && law->pair == like->pair);
+    }
+    CHECK(likes == 2);
+}
+
 int main(void) {
     test_damping_for_restitution();
     test_linear_tables();
@@ -572,5 +587,6 @@ int main(void) {
     test_refusals();
     test_descriptions();
     test_likes();
+    test_springs_in_force();
     return check_report();
 }
