@@ -114,8 +114,10 @@ static double run_case(const struct precision_case *c, int integrator, double st
     char change[64], place[160];
     *steps = (long)ceil(c->time / step);
     if (c->timed) step = c->time / (double)(*steps = lround(c->time / step));
-    const char *changes[6] = {change, integrators[integrator].choice, "time.end=1e4", "time.force=true"};
-    int count = c->file ? 4 : 2;
+    /* Of a scene of a file: to go on for as long as needed, with no frame for each of its rows. */
+    const char *changes[7] = {change, integrators[integrator].choice, "time.end=1e4", "time.force=true",
+                              "output.write=[]"};
+    int count = c->file ? 5 : 2;
     snprintf(change, sizeof change, "time.step=%.17g", step);
     if (integrators[integrator].substeps) changes[count++] = integrators[integrator].substeps;
     if (c->arrives) {
