@@ -511,6 +511,20 @@ static void fly_on(int k, int rubs, struct march *x) {
     c->slides[k] = 0.0;
 }
 
+/* A bare spring that slides has the stretch of its force. One that holds from the very begin of a step on takes that
+ * over: the force has jumped there, as far as the other contacts of the bodies weren't foreseen; what bears more than
+ * it may would break loose at once. */
+static void take_over(const struct smooth_pass *pass, int count, const double *event, struct march *x) {
+    int takes[SCREE_LANES], any = 0;
+    for (int k = 0; k < padded(count); k++)
+        any |= takes[k] = event[k] == SLIPS && x->c.slides[k] > 0.0 && x->to.time[k] == 0.0;
+    if (!any || !pass->bare) return;
+    memset(x->to.time, 0, sizeof x->to.time);
+    step_lanes(pass, &x->m, count, &x->c, &x->to);
+    for (int k = 0; k < padded(count); k++)
+        if (takes[k]) put(x->c.s, k, get(x->to.s, k));
+}
+
 /* What an event changes. */
 static void pass_event(int count, int rubs, const double *event, struct march *x) {
     struct course *c = &x->c;
@@ -599,6 +613,7 @@ static void go_past(const struct smooth_pass *pass, int count, const double *eve
     }
     if (again) shorten(pass, count, first, x);
     accept(pass, count, none, x);
+    take_over(pass, count, own, x);
     pass_event(count, pass->rubs, own, x);
     for (int k = 0; k < padded(count); k++) begins[k] = own[k] == ENDS && x->c.rest[k] > 0.0;
     meet_lanes(pass, count, begins, x);

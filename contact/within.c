@@ -560,14 +560,14 @@ static int shorten_to_press(const struct scree_pair_motion *p, const struct scre
 }
 
 /* Where a slider breaks loose or holds again within the piece, which is shortened to end there. Returns whether it
- * does. It may have to at once: where a piece has ended with a turn what it bears goes on otherwise, and the force of
- * one with a dashpot jumps where others do. */
+ * does. It may have to at once: where a piece has ended with a turn what it bears goes on otherwise, and forces jump
+ * where others do. A bare spring that slides has the stretch of its force, which it takes over then. */
 static int shorten_to_slip(const struct scree_pair_motion *p, const struct scree_pair_instant *from,
                            struct nearness near, double *time, struct scree_pair_instant *to,
                            struct scree_pair_yield *yield) {
     if (!p->slider) return 0;
     if (gripping(p, from, NULL) < 0.0) {
-        *to = *from;
+        *to = p->bare && from->sliding > 0.0 ? move(p, from, 0.0, yield) : *from;
         *yield = (struct scree_pair_yield){.lost = 0.0};
         *time = 0.0;
         return 1;
