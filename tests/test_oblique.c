@@ -58,7 +58,7 @@ static void strike_plainly(double degrees, const char *laws, double *velocity) {
 struct oblique {
     const char *laws;
     double duration;
-    int wide; /* 1 to 4: these laws go several at once, with every change between sticking and sliding located; 2: force
+    int wide; /* 1 to 5: these laws go several at once, with every change between sticking and sliding located; 2: force
                  sets in as a root, or jumps; 3: the law changes its formula, and steps in which it does go one by one;
                  4: the slider has a dashpot; 5: it is stiffer */
 };
