@@ -78,7 +78,7 @@ static int look_ahead_general(struct scree_bodies *bodies, int index, double ste
     /* A plane turns about its normal only, so its turning moves no surface. */
     double reach = scree_kind_of(bodies, index)->shape.kind == SCREE_PLANE ? 0.0 : record->bound;
     double way = vec_norm(vec_sub(vec_from(record->x), before)) + step * vec_norm(scree_spin_of(bodies, index)) * reach;
-    return scree_outgrown(&bodies->path[index], way, margin);
+    return scree_outgrown(&bodies->path[index], way, margin, 0.5);
 }
 
 int scree_bodies_look_ahead(struct scree_bodies *bodies, int count, double time, double step, const double gravity[3],
@@ -91,7 +91,7 @@ int scree_bodies_look_ahead(struct scree_bodies *bodies, int count, double time,
             double square = scree_ball_look_ahead(&bodies->record[k], &bodies->spin[k],
                                                   scree_ball_rows(&bodies->state[k], bodies->position[k]), step,
                                                   scree_row_of(gravity), scree_flight_row(bodies, k));
-            too_far |= scree_outgrown(&bodies->path[k], step * sqrt(square), margin);
+            too_far |= scree_outgrown(&bodies->path[k], step * sqrt(square), margin, 0.5);
         } else if (bodies->class[k] == SCREE_CLASS_GENERAL) {
             too_far |= look_ahead_general(bodies, k, step, gravity, margin);
         }
@@ -142,8 +142,8 @@ void scree_bodies_advance(struct scree_bodies *bodies, int count, double time, d
     }
 }
 
-void scree_bodies_find_positions(struct scree_bodies *bodies, double step) {
-    for (int k = bodies->order.members; k < bodies->count; k++)
+void scree_bodies_find_positions(struct scree_bodies *bodies, int from, int to, double step) {
+    for (int k = from; k < to; k++)
         for (int axis = 0; axis < 3 && bodies->class[k] == SCREE_CLASS_BALL; axis++)
             bodies->position[k][axis] = bodies->record[k].x[axis] - 0.5 * step * bodies->state[k].v[axis];
 }

@@ -17,9 +17,10 @@ static const double scree_least_momentum = 1e-140;
 static inline double scree_settle(double x) { return fabs(x) < scree_least_momentum ? 0.0 : x; }
 
 /* Lengthen the path by the way of the last step; nonzero if the list may no longer hold when the contacts are measured
- * half a step from now: then the path says so too. Written so that a NaN counts as too far. */
-static inline int scree_outgrown(double *path, double way, double margin) {
-    double gone = *path + way, soon = gone + 0.5 * way;
+ * half a step from now (`to_come` 0.5), or in some of the steps after: then the path says so too. Written so that a NaN
+ * counts as too far. */
+static inline int scree_outgrown(double *path, double way, double margin, double to_come) {
+    double gone = *path + way, soon = gone + to_come * way;
     int over = !(soon <= margin);
     *path = over ? soon : gone;
     return over;

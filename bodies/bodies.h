@@ -209,9 +209,9 @@ int scree_bodies_look_ahead(struct scree_bodies *bodies, int count, double time,
  * drift to time + step. */
 void scree_bodies_advance(struct scree_bodies *bodies, int count, double time, double step, const double gravity[3]);
 
-/* Positions of members that were to hurry on but don't, from their records in the middle of the next step; to
- * rounding. */
-void scree_bodies_find_positions(struct scree_bodies *bodies, double step);
+/* Positions of members at places from … to - 1 that were to hurry on but don't, from their records in the middle of the
+ * next step; to rounding. */
+void scree_bodies_find_positions(struct scree_bodies *bodies, int from, int to, double step);
 
 /* Records, attitudes and corners at the instant of the state itself, for measurements: written into `shadow`, made
  * by scree_bodies_shadow (or `bodies` itself). */

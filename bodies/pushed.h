@@ -74,7 +74,7 @@ static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, str
     double range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], fall, step);
     *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.impulse), range);
     *(scree_row *)past->known = scree_row_with(gravity, range);
-    return scree_outgrown(&bodies->path[index], step * size[3], margin);
+    return scree_outgrown(&bodies->path[index], step * size[3], margin, 0.5);
 }
 
 static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
@@ -153,7 +153,7 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
                          scree_size_of(past->impulse[1]), fall, step);
     double square = scree_ball_look_ahead(record, &bodies->spin[index], scree_ball_rows(state, bodies->position[index]),
                                           step, gravity, scree_flight_row(bodies, index));
-    return scree_outgrown(&bodies->path[index], step * sqrt(square), margin);
+    return scree_outgrown(&bodies->path[index], step * sqrt(square), margin, 0.5);
 }
 
 static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, int index, double step,

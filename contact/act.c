@@ -76,6 +76,6 @@ int scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bod
                        const struct scree_departure *go) {
     for (int k = 0; k < contacts->busy_batches; k++)
         act_loose(contacts, bodies, &contacts->batch[contacts->busy[k]], step, threads);
-    contacts->flights.flown += step;
+    if (!contacts->sweep.steps) contacts->flights.flown += step;
     return scree_contacts_by_slabs(contacts, bodies, step, threads, act_segment, NULL, go);
 }

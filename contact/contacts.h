@@ -118,6 +118,19 @@ struct scree_gate {
     int last_own, last_next, first_next;
 };
 
+/* Steps that slabs go through in one sweep, at most (sweep.c). */
+enum { SCREE_SWEEP = 4 };
+
+/* A sweep that lists have stopped on its way: how many units of slabs each of its steps has passed, and how many it may
+ * pass with the lists that it began with. */
+struct scree_sweep {
+    int steps; /* 0: there is none */
+    int ahead; /* behind the last one, bodies go to the middle of the next */
+    int passed[SCREE_SWEEP], until[SCREE_SWEEP];
+    long made, stops; /* so far, and how often one has stopped on its way */
+    int told;         /* of the last one, steps that the sums of the scene hold: all, or up to one that went too deep */
+};
+
 /* Between which bounds across slabs the bodies of one stay, and all that comes near them, until the outer list is made
  * anew, m. */
 struct scree_stay {
@@ -395,10 +408,12 @@ struct scree_contacts {
     long renewals;  /* of near lists */
     long answers;   /* margins of single bodies since the beginning; */
     long enough;    /* when they are so many, the near lists are to be renewed */
-    int extended;   /* how often the outer list has been extended for a body that went farther (widen.c), */
-    struct scree_stay stay[SCREE_SLABS]; /* and where bodies may be meanwhile */
-    struct scree_tally tally[SCREE_SEGMENTS];
-    struct scree_scratch *scratch; /* one for each thread (near.c) */
+    int extended;   /* how often the outer list has been extended for a body that went farther (widen.c) */
+    int stays;      /* whether it is known where the bodies of slabs may be meanwhile: */
+    struct scree_stay stay[SCREE_SLABS];
+    struct scree_sweep sweep;
+    struct scree_tally tally[SCREE_SWEEP][SCREE_SEGMENTS]; /* of each step of a sweep (else the first), each segment */
+    struct scree_scratch *scratch;                         /* one for each thread (near.c) */
     int scratches;
     int returns, return_capacity; /* bodies that are returning into the periodic box, by rising place */
     struct scree_return *returned;
@@ -479,11 +494,15 @@ struct scree_departure {
     double gravity[3]; /* in the middle of this step, and of the next one */
     double next_gravity[3];
     int ahead;
+    double to_come; /* steps for which margins should do, at the speed of this one: half a step, or a sweep after it */
+    int steps;      /* in one sweep: 1, or up to scree_steps_in_sweep; gravity is the same in all */
     struct scree_bodies *now; /* of pair impulses: the start of the step; NULL: by Verlet's method */
 };
 
-/* All near contacts through the loop for one step of length `step`: impulses are added into the bodies' records. `go`
- * NULL: nobody moves. Returns 1 if one that went ahead has outgrown its margin, as scree_bodies_look_ahead does. */
+/* All near contacts through the loop for one step of length `step`, or the steps of a sweep: impulses are added into
+ * the bodies' records. `go` NULL: nobody moves. Returns 1 if one that went ahead has outgrown its margin, as
+ * scree_bodies_look_ahead does. If `sweep.steps` isn't 0 then, the sweep has stopped on its way: it goes on from there
+ * with the next call, before which lists must be renewed. */
 int scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                        const struct scree_departure *go);
 
@@ -647,6 +666,16 @@ typedef void scree_segment_work(void *argument, struct scree_contacts *contacts,
                                 struct scree_tally *tally, struct scree_trail *trail);
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go);
+
+/* How many steps slabs may go through in one sweep, and gain by it: a part of SCREE_SWEEP where the third cache holds
+ * what is under way but not the whole scene, else 1. */
+int scree_steps_in_sweep(struct scree_contacts *contacts, const struct scree_bodies *bodies);
+
+/* By how many steps a body is ahead of where the sweep that stopped on its way began. */
+int scree_steps_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k);
+
+/* Find out where the bodies of slabs may be until the next outer list, if it isn't known. */
+void scree_find_stays(struct scree_contacts *contacts, const struct scree_bodies *bodies);
 
 /* Which segment a contact belongs to. */
 int scree_segment_of(const struct scree_bodies *bodies, const struct scree_batch *batch,

@@ -84,16 +84,18 @@ static double wander_of(const struct scree_flights *last, const struct swarm *sw
 }
 
 /* Bodies that hardly move need no flights: their margins are within twice the least (list.c). Those that may fall
- * asleep can't stay on them. And pair impulses dismiss what can't touch so soon that a longer list costs less than
- * flights. */
+ * asleep can't stay on them. Nor do bodies set out while some are a step ahead of others (sweep.c), but right after.
+ * And pair impulses dismiss what can't touch so soon that a longer list costs less than flights. */
 scree_status scree_flights_choose(struct scree_contacts *contacts, struct scree_bodies *bodies, int many,
                                   scree_trouble *trouble) {
     struct swarm swarm = {.speed = 0.0};
-    int flew = bodies->flight != NULL;
+    int flew = bodies->flight != NULL, sweeps = contacts->sweep.steps > 0;
     if (many && !bodies->calm && !bodies->past) swarm = survey(bodies);
     double wander = wander_of(&contacts->flights, &swarm, flew);
     contacts->flights = (struct scree_flights){.until = HUGE_VAL, .last = HUGE_VAL};
-    if (!(swarm.speed * contacts->step > contacts->skin / 8000.0 && isfinite(swarm.apart))) {
+    int fast = swarm.speed * contacts->step > contacts->skin / 8000.0 && isfinite(swarm.apart);
+    if (fast && sweeps) contacts->flights.until = contacts->flights.last = 0.0; /* lists that hold for its rest */
+    if (!fast || sweeps) {
         scree_memory_free(bodies->flight);
         bodies->flight = NULL;
         return SCREE_OK;

@@ -591,7 +591,7 @@ static scree_status make_lists(struct scree_contacts *contacts, struct scree_bod
     }
     if (status) return status;
     contacts->rebuilds++;
-    contacts->extended = 0;
+    contacts->extended = contacts->stays = 0;
     return scree_contacts_pick(contacts, bodies, threads, trouble);
 }
 

@@ -222,7 +222,8 @@ static SCREE_INLINE double hurry_one(struct scree_record *record, struct scree_s
  * scree_loop. */
 static int move_some(struct scree_bodies *bodies, int from, int count, const struct scree_departure *go,
                      const unsigned char *lent, int wanted) {
-    double square[SCREE_LANES], step = go->step, margin = go->margin, *path = bodies->path + from;
+    double square[SCREE_LANES], step = go->step, margin = go->margin, to_come = go->to_come;
+    double *path = bodies->path + from;
     scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
     int plain =
         all_are(bodies->class + from, count, SCREE_CLASS_BALL) && (!lent || all_are(lent + from, count, wanted));
@@ -243,7 +244,7 @@ static int move_some(struct scree_bodies *bodies, int from, int count, const str
     if (!go->ahead) return 0;
     int too_far = 0;
     _Pragma("omp simd reduction(| : too_far)")
-    for (int k = 0; k < count; k++) too_far |= scree_outgrown(&path[k], step * sqrt(square[k]), margin);
+    for (int k = 0; k < count; k++) too_far |= scree_outgrown(&path[k], step * sqrt(square[k]), margin, to_come);
     return too_far;
 }
 

@@ -9,55 +9,28 @@
  *
  * A body is finished when the contacts of its own slab have passed it by: then it moves on, while it is at hand. Those
  * of a stretch's first slab that the slab before touches are lent to it, and move on after it. */
-#include "contact/loop.h"
+#include "contact/slabs.h"
 #include "contact/rest.h"
 
 #include <limits.h>
 #include <sched.h>
-#include <stdatomic.h>
-
-/* How far a slab is: contacts to come touch no body of it before place `own`, and none of the next one before `next`.
- * A line of cache each. */
-struct front {
-    _Alignas(64) atomic_int own;
-    atomic_int next;
-};
 
 /* Where slabs are: nobody has begun one, somebody has, it is through. */
 enum { FREE, TAKEN, DONE };
-
-struct slabs {
-    struct scree_contacts *contacts;
-    struct scree_bodies *bodies;
-    double step;
-    scree_segment_work *work; /* with its argument */
-    void *argument;
-    const struct scree_departure *go; /* NULL: bodies stay where they are */
-    int slabs, team;                  /* so many threads share them, */
-    atomic_int begun;                 /* of which so many have begun */
-    double *before;                   /* work of the slabs before each, where there are several threads */
-    atomic_char *state;               /* of each slab */
-    struct front *front;
-};
-
-static int begins_stretch(int slab) { return slab % SCREE_STRETCH == 0; }
-
-/* The last of a stretch, but of the last one. */
-static int ends_stretch(const struct slabs *all, int slab) { return slab + 1 < all->slabs && begins_stretch(slab + 1); }
 
 /* ---- strips ---- */
 
 static int is_of_balls(const struct scree_batch *batch) { return batch->geometry == SCREE_BALL_BALL; }
 
-static struct scree_batch *busy_batch(const struct slabs *all, int k) {
+static struct scree_batch *busy_batch(const struct scree_slabs *all, int k) {
     return &all->contacts->batch[all->contacts->busy[k]];
 }
 
 /* Slabs in one strip, where contacts are of several batches or some bodies sleep. */
-static int goes_whole(const struct slabs *all) { return all->bodies->mixed || all->contacts->rest.asleep > 0; }
+static int goes_whole(const struct scree_slabs *all) { return all->bodies->mixed || all->contacts->rest.asleep > 0; }
 
 /* Where the strip that begins with a body ends: so wide that the loop is worth beginning. */
-static int end_of_strip(const struct slabs *all, int slab, int from) {
+static int end_of_strip(const struct scree_slabs *all, int slab, int from) {
     const int *start = &all->bodies->order.start[slab];
     int width = (start[1] - start[0] + SCREE_STRIPS - 1) / SCREE_STRIPS;
     int to = from + (width > SCREE_LEAST_STRIP ? width : SCREE_LEAST_STRIP);
@@ -86,14 +59,14 @@ static void widen_gate(const struct scree_batch *batch, int from, int to, int en
 }
 
 /* The batch of a slab's contacts of two balls, of which there is one; NULL: there are no contacts. */
-static const struct scree_batch *balls_of(const struct slabs *all, int slab) {
+static const struct scree_batch *balls_of(const struct scree_slabs *all, int slab) {
     for (int k = 0; k < all->contacts->busy_batches; k++)
         if (is_of_balls(busy_batch(all, k)) && busy_batch(all, k)->segment[1 + slab].count) return busy_batch(all, k);
     return NULL;
 }
 
 /* The gates of a slab's strips, from its list as it is. */
-static void find_gates(const struct slabs *all, int slab) {
+static void find_gates(const struct scree_slabs *all, int slab) {
     const int *start = &all->bodies->order.start[slab];
     const struct scree_batch *batch = balls_of(all, slab);
     struct scree_gate *gate = all->contacts->gate[slab], so_far = {-1, -1, INT_MAX};
@@ -122,12 +95,12 @@ static void wait_for(const atomic_int *front, int place) {
             sched_yield();
 }
 
-static void wait_at(struct slabs *all, int slab, struct scree_gate gate) {
-    if (!begins_stretch(slab)) wait_for(&all->front[slab - 1].next, gate.last_own);
-    if (ends_stretch(all, slab)) wait_for(&all->front[slab + 1].own, gate.last_next);
+static void wait_at(struct scree_slabs *all, int slab, struct scree_gate gate) {
+    if (!scree_begins_stretch(slab)) wait_for(&all->front[slab - 1].next, gate.last_own);
+    if (scree_ends_stretch(all, slab)) wait_for(&all->front[slab + 1].own, gate.last_next);
 }
 
-static void tell(struct slabs *all, int slab, int own, int next) {
+static void tell(struct scree_slabs *all, int slab, int own, int next) {
     atomic_store_explicit(&all->front[slab].next, next, memory_order_release);
     atomic_store_explicit(&all->front[slab].own, own, memory_order_release);
 }
@@ -135,7 +108,7 @@ static void tell(struct slabs *all, int slab, int own, int next) {
 /* ---- one slab ---- */
 
 /* Contacts of a slab, batch after batch: of two balls, or of what isn't one (a flank). */
-static void act_batches(const struct slabs *all, int slab, int of_balls, struct scree_tally *tally) {
+static void act_batches(const struct scree_slabs *all, int slab, int of_balls, struct scree_tally *tally) {
     for (int k = 0; k < all->contacts->busy_batches; k++) {
         const struct scree_batch *batch = busy_batch(all, k);
         const struct scree_part *segment = &batch->segment[1 + slab];
@@ -150,7 +123,7 @@ static void act_batches(const struct slabs *all, int slab, int of_balls, struct 
 
 /* Members before place `to` have all their impulses: on they go; `lent`: those that needn't wait (`wanted` 0), or
  * those that have waited (1). */
-static void move_up(const struct slabs *all, int from, int to, const unsigned char *lent, int wanted,
+static void move_up(const struct scree_slabs *all, int from, int to, const unsigned char *lent, int wanted,
                     struct scree_tally *tally) {
     if (all->go && from < to) tally->too_far |= all->contacts->loop->move(all->bodies, from, to, all->go, lent, wanted);
 }
@@ -161,7 +134,7 @@ static int end_of_lent(struct scree_gate gate, int first_next) {
     return first_next <= gate.last_next ? first_next : gate.last_next + 1;
 }
 
-static void act_strips(struct slabs *all, int slab, int at_border, const unsigned char *lent,
+static void act_strips(struct scree_slabs *all, int slab, int at_border, const unsigned char *lent,
                        struct scree_tally *tally) {
     const int *start = &all->bodies->order.start[slab];
     const struct scree_batch *batch = balls_of(all, slab);
@@ -181,32 +154,34 @@ static void act_strips(struct slabs *all, int slab, int at_border, const unsigne
         from = next;
         move_up(all, place, to, lent, 0, tally);
         tell(all, slab, to, first_next);
-        if (!ends_stretch(all, slab) || end_of_lent(*gate, first_next) <= returned) continue;
+        if (!scree_ends_stretch(all, slab) || end_of_lent(*gate, first_next) <= returned) continue;
         move_up(all, returned, end_of_lent(*gate, first_next), all->contacts->lent, 1, tally);
         returned = end_of_lent(*gate, first_next);
     }
 }
 
-static void act_whole(const struct slabs *all, int slab, const unsigned char *lent, struct scree_tally *tally) {
+static void act_whole(const struct scree_slabs *all, int slab, const unsigned char *lent, struct scree_tally *tally) {
     const int *start = &all->bodies->order.start[slab];
     act_batches(all, slab, 1, tally);
     move_up(all, start[0], start[1], lent, 0, tally);
-    if (ends_stretch(all, slab)) move_up(all, start[1], start[2], all->contacts->lent, 1, tally);
+    if (scree_ends_stretch(all, slab)) move_up(all, start[1], start[2], all->contacts->lent, 1, tally);
 }
 
-/* `at_border`: as in scree_trail. */
-static void act_slab(struct slabs *all, int slab, int at_border) {
-    struct scree_contacts *contacts = all->contacts;
-    struct scree_tally *tally = &contacts->tally[1 + slab];
-    const unsigned char *lent = slab > 0 && begins_stretch(slab) ? contacts->lent : NULL;
-    *tally = (struct scree_tally){.deepest = contacts->deepest,
-                                  .steepest = contacts->steepest,
-                                  .deepest_ball = -1,
-                                  .deepest_host = -1,
-                                  .steepest_ball = -1,
-                                  .steepest_host = -1};
-    if (begins_stretch(slab)) act_batches(all, slab, 0, tally);
-    if (slab + 1 < all->slabs && !begins_stretch(slab + 1)) act_batches(all, slab + 1, 0, tally);
+void scree_begin_tallies(struct scree_contacts *contacts, int slabs, int lap) {
+    for (int slab = 0; slab < slabs; slab++)
+        contacts->tally[lap][1 + slab] = (struct scree_tally){.deepest = contacts->deepest,
+                                                              .steepest = contacts->steepest,
+                                                              .deepest_ball = -1,
+                                                              .deepest_host = -1,
+                                                              .steepest_ball = -1,
+                                                              .steepest_host = -1};
+}
+
+void scree_act_slab(struct scree_slabs *all, int slab, int lap, int at_border) {
+    struct scree_tally *tally = &all->contacts->tally[lap][1 + slab];
+    const unsigned char *lent = slab > 0 && scree_begins_stretch(slab) ? all->contacts->lent : NULL;
+    if (scree_begins_stretch(slab)) act_batches(all, slab, 0, tally);
+    if (slab + 1 < all->slabs && !scree_begins_stretch(slab + 1)) act_batches(all, slab + 1, 0, tally);
     if (goes_whole(all))
         act_whole(all, slab, lent, tally);
     else
@@ -217,10 +192,9 @@ static void act_slab(struct slabs *all, int slab, int at_border) {
 
 /* ---- all of them ---- */
 
-/* What slabs have summed up, in their order. */
-static void add_tallies(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+void scree_add_tallies(struct scree_contacts *contacts, const struct scree_bodies *bodies, int lap) {
     for (int s = 1; s <= bodies->order.slabs; s++) {
-        const struct scree_tally *tally = &contacts->tally[s];
+        const struct scree_tally *tally = &contacts->tally[lap][s];
         contacts->lost_normal += tally->lost_normal;
         contacts->work_tangential += tally->work_tangential;
         if (tally->deepest_ball >= 0)
@@ -233,7 +207,7 @@ static void add_tallies(struct scree_contacts *contacts, const struct scree_bodi
 }
 
 /* Work is shared out by its weight. */
-static double weight_of(const struct slabs *all, int slab) {
+static double weight_of(const struct scree_slabs *all, int slab) {
     const int *start = all->bodies->order.start;
     double work = 0.5 * (start[slab + 1] - start[slab]); /* a body costs about as much as half a contact */
     for (int k = 0; k < all->contacts->busy_batches; k++) work += busy_batch(all, k)->segment[1 + slab].count;
@@ -241,7 +215,7 @@ static double weight_of(const struct slabs *all, int slab) {
 }
 
 /* Where the slabs of a thread begin: as much work lies before them as falls to the threads before. */
-static int begin_of(const struct slabs *all, int thread) {
+static int begin_of(const struct scree_slabs *all, int thread) {
     const double *work = all->before;
     double before = work[all->slabs] * thread / all->team;
     int slab = 0;
@@ -255,27 +229,27 @@ struct share {
 };
 
 /* Whether a slab may be taken: those that it follows are so far. */
-static int is_ready(const struct slabs *all, int slab, char so_far) {
-    return (begins_stretch(slab) || atomic_load(&all->state[slab - 1]) >= so_far) &&
-           (!ends_stretch(all, slab) || atomic_load(&all->state[slab + 1]) >= so_far);
+static int is_ready(const struct scree_slabs *all, int slab, char so_far) {
+    return (scree_begins_stretch(slab) || atomic_load(&all->state[slab - 1]) >= so_far) &&
+           (!scree_ends_stretch(all, slab) || atomic_load(&all->state[slab + 1]) >= so_far);
 }
 
 /* Take a slab if it is ready; `left`: it is not, but there it is. */
-static int take(struct slabs *all, int slab, char so_far, int *left) {
+static int take(struct scree_slabs *all, int slab, char so_far, int *left) {
     char unclaimed = FREE;
     if (slab < 0 || slab >= all->slabs || atomic_load(&all->state[slab]) != FREE) return 0;
     *left = 1;
     return is_ready(all, slab, so_far) && atomic_compare_exchange_strong(&all->state[slab], &unclaimed, TAKEN);
 }
 
-static int take_own(struct slabs *all, struct share own, char so_far, int *left) {
+static int take_own(struct scree_slabs *all, struct share own, char so_far, int *left) {
     for (int slab = own.from; slab < own.to; slab++)
         if (take(all, slab, so_far, left)) return slab;
     return -1;
 }
 
 /* One near by, so that the same ones change hands in every step. */
-static int take_others(struct slabs *all, struct share own, char so_far, int *left) {
+static int take_others(struct scree_slabs *all, struct share own, char so_far, int *left) {
     for (int off = 0; off < all->slabs; off++) {
         if (take(all, own.from - 1 - off, so_far, left)) return own.from - 1 - off;
         if (take(all, own.to + off, so_far, left)) return own.to + off;
@@ -283,7 +257,7 @@ static int take_others(struct slabs *all, struct share own, char so_far, int *le
     return -1;
 }
 
-static int is_left(const struct slabs *all) {
+static int is_left(const struct scree_slabs *all) {
     for (int slab = 0; slab < all->slabs; slab++)
         if (atomic_load(&all->state[slab]) == FREE) return 1;
     return 0;
@@ -291,7 +265,7 @@ static int is_left(const struct slabs *all) {
 
 /* Take the next slab, an own one, or, if `helps`, one of others' shares if the own one is through: one that needn't
  * wait, or else one that goes strip by strip behind others. Returns -1 if none is ready; `left`: there will be one. */
-static int take_slab(struct slabs *all, struct share own, int helps, int *left) {
+static int take_slab(struct scree_slabs *all, struct share own, int helps, int *left) {
     int follows = !goes_whole(all);
     *left = 0;
     int slab = take_own(all, own, DONE, left);
@@ -304,7 +278,7 @@ static int take_slab(struct slabs *all, struct share own, int helps, int *left) 
 
 /* Whether the slab before or the next one was another thread's, which is through by now with the bodies that both
  * touch: not where shares are short. */
-static int is_at_border(const struct slabs *all, int slab, struct share own) {
+static int is_at_border(const struct scree_slabs *all, int slab, struct share own) {
     if (own.to - own.from <= SCREE_STRETCH) return 0;
     return (slab + 1 == own.to && own.to < all->slabs) || (slab == own.from && slab > 0);
 }
@@ -312,7 +286,7 @@ static int is_at_border(const struct slabs *all, int slab, struct share own) {
 /* What one thread does: its own slabs, which it had the step before, so that bodies stay with it; then what is left of
  * others', at once if somebody hasn't even begun, or else after a while. So nobody waits for a slow neighbour, nor
  * takes what is in the cache of one that is nearly through: then the next step has to bring it back. */
-static void share_slabs(struct slabs *all, struct share own) {
+static void share_slabs(struct scree_slabs *all, struct share own) {
     enum { PATIENCE = 32 };
     atomic_fetch_add(&all->begun, 1);
     for (int left = 1, tries = 0; left; tries++) {
@@ -320,7 +294,7 @@ static void share_slabs(struct slabs *all, struct share own) {
         int slab = take_slab(all, own, helps, &left);
         if (slab >= own.from && slab < own.to) tries = 0;
         if (slab >= 0)
-            act_slab(all, slab, is_at_border(all, slab, own));
+            scree_act_slab(all, slab, 0, is_at_border(all, slab, own));
         else if (left)
             sched_yield();
     }
@@ -328,7 +302,7 @@ static void share_slabs(struct slabs *all, struct share own) {
 
 /* A region always has all threads, also those that have no part in it: the runtime would end them, and begin them anew
  * for the next one. */
-static void act_slabs(struct slabs *all, int threads) {
+static void act_slabs(struct scree_slabs *all, int threads) {
     int team = all->team;
     (void)threads; /* without OpenMP */
     for (int slab = 0; slab < all->slabs; slab++) {
@@ -349,35 +323,45 @@ static void act_slabs(struct slabs *all, int threads) {
 
 /* More threads than that only wait, and their looking for work holds up the others: than slabs, or where these have few
  * strips, so that none is soon free to follow, than stretches. */
-static int most_threads(const struct slabs *all) {
+static int most_threads(const struct scree_slabs *all) {
     enum { FEW_STRIPS = 4 };
     int members = all->bodies->order.start[1] - all->bodies->order.start[0];
     int follow = !goes_whole(all) && members > FEW_STRIPS * SCREE_LEAST_STRIP;
     return follow ? all->slabs : (all->slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
 }
 
+/* One step. Returns whether a body has outgrown its margin. */
+static int step_slabs(struct scree_slabs *all, int threads) {
+    int most = most_threads(all), too_far = 0;
+    all->team = threads < most ? threads : most;
+    scree_begin_tallies(all->contacts, all->slabs, 0);
+    act_slabs(all, threads);
+    for (int s = 1; s <= all->slabs; s++) too_far |= all->contacts->tally[0][s].too_far;
+    return too_far;
+}
+
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go) {
-    int slabs = bodies->order.slabs, too_far = 0;
+    int slabs = bodies->order.slabs, steps = go ? go->steps : 1;
     if (!slabs) return 0;
-    struct front
+    struct scree_front
         front[SCREE_SLABS]; /* as many as there are slabs are set: to clear all takes as long as some contacts */
     atomic_char state[SCREE_SLABS];
     double before[SCREE_SLABS + 1];
-    struct slabs all = {.contacts = contacts,
-                        .bodies = bodies,
-                        .step = step,
-                        .work = work,
-                        .argument = argument,
-                        .go = go,
-                        .slabs = slabs,
-                        .before = before,
-                        .state = state,
-                        .front = front};
-    int most = most_threads(&all);
-    all.team = threads < most ? threads : most;
-    act_slabs(&all, threads);
-    add_tallies(contacts, bodies);
-    for (int s = 1; s <= slabs; s++) too_far |= contacts->tally[s].too_far;
+    struct scree_slabs all = {.contacts = contacts,
+                              .bodies = bodies,
+                              .step = step,
+                              .work = work,
+                              .argument = argument,
+                              .go = go,
+                              .slabs = slabs,
+                              .before = before,
+                              .state = state,
+                              .front = front};
+    int too_far = steps > 1 ? scree_sweep_slabs(&all) : step_slabs(&all, threads);
+    if (contacts->sweep.steps) return too_far;
+    contacts->sweep.told = 0;
+    do scree_add_tallies(contacts, bodies, contacts->sweep.told++);
+    while (contacts->sweep.told < steps && !(contacts->deepest > 1.0));
     return too_far;
 }

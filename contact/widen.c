@@ -311,13 +311,18 @@ static void put_lacking(struct scree_contacts *contacts, const struct scree_bodi
     batch->outer_count++;
 }
 
+void scree_find_stays(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    for (int slab = 0; !contacts->stays && slab < bodies->order.slabs; slab++)
+        contacts->stay[slab] = stay_of(contacts, bodies, slab);
+    contacts->stays = 1;
+}
+
 int scree_contacts_extend(struct scree_contacts *contacts, struct scree_bodies *bodies, int k) {
     struct lacking lacking[MOST_LACKING];
     double more = fmin(contacts->skin, contacts->most_margin);
     if (contacts->extended >= SCREE_MOST_EXTENDED) return 0;
     if (bodies->slab[k] < 0 || bodies->class[k] != SCREE_CLASS_BALL || bodies->periodic || bodies->flight) return 0;
-    for (int slab = 0; !contacts->extended && slab < bodies->order.slabs; slab++)
-        contacts->stay[slab] = stay_of(contacts, bodies, slab);
+    scree_find_stays(contacts, bodies);
     int count = find_all_lacking(contacts, bodies, k, (double)contacts->spare[k] + more, lacking);
     if (count < 0 || !has_room(contacts, bodies, 2 * count)) return 0;
     contacts->stay[bodies->slab[k]].low -= more;

@@ -418,7 +418,7 @@ static scree_status apply(scree_scene *scene, const struct scalars *scalars, con
                           const struct body_part *part, const struct memory *memory, long memories) {
     struct scree_bodies *bodies = &scene->bodies;
     set_scalars(scene, scalars);
-    scene->ahead = scene->too_far = scene->waits = 0;
+    scene->ahead = scene->too_far = scene->waits = scene->contacts.sweep.steps = 0;
     take_places(scene, order, part);
     for (int k = 0; k < bodies->count; k++) {
         memcpy(bodies->position[k], part[k].x, sizeof part[k].x);

@@ -198,7 +198,9 @@ SCREE_API int scree_scene_asleep(const scree_scene *scene);
  * a number that isn't finite, an overlap beyond half a half-width, a body faster than the list can follow; the trouble
  * record names body, partner, time and cause, and the state is as it was then, positions to their last digit but one.
  * SCREE_NO_MEMORY: so it is then too; tried again, the step comes out as if nothing had happened, and until then the
- * scene can't be saved. If the watch has halved the step meanwhile, the time reached is the same, after as many more
+ * scene can't be saved. A scene of balls that no cache of the processor holds may go through up to four steps at once:
+ * where it stops, some or all of its balls are up to three steps later, and after SCREE_NO_MEMORY it goes on to the end
+ * of these steps at least. If the watch has halved the step meanwhile, the time reached is the same, after as many more
  * steps. */
 SCREE_API scree_status scree_scene_step(scree_scene *scene, long steps);
 

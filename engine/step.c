@@ -22,7 +22,8 @@ scree_status scree_scene_stop(struct scree_scene *scene, double time, int body, 
 }
 
 static scree_status stop(scree_scene *scene, int body, int other, const char *cause) {
-    return scree_scene_stop(scene, scree_scene_time(scene), body, other, cause);
+    int ahead = body >= 0 ? scree_steps_ahead(&scene->contacts, &scene->bodies, scene->bodies.place[body]) : 0;
+    return scree_scene_stop(scene, (double)(scene->steps + ahead) * scene->step, body, other, cause);
 }
 
 int scree_is_finite(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
@@ -221,24 +222,44 @@ static int look_ahead(scree_scene *scene, const double gravity[3]) {
 }
 
 /* Contacts, and then bodies: members of slabs move on while they are at hand, as far as the middle of the next step if
- * there is one (`more`). */
-static void act_and_advance(scree_scene *scene, const double gravity[3], int more) {
+ * there is one (`more`). Lists are renewed where a sweep stops for them on its way. */
+static scree_status act_and_advance(scree_scene *scene, const double gravity[3], int steps, int more) {
     struct scree_bodies *bodies = &scene->bodies;
+    struct scree_contacts *contacts = &scene->contacts;
     double time = scree_scene_time(scene), step = scene->step;
-    struct scree_departure go = {.step = step, .margin = 0.5 * scene->contacts.skin, .ahead = more};
+    struct scree_departure go = {
+        .step = step, .steps = steps, .ahead = contacts->sweep.steps ? contacts->sweep.ahead : more};
     int at_once = moves_at_once(scene);
+    go.to_come = steps > 1 ? SCREE_SWEEP - 0.5 : 0.5; /* so that the next sweep needn't stop on its way */
     memcpy(go.gravity, gravity, sizeof go.gravity);
     scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
-    scene->too_far = scree_contacts_act(&scene->contacts, bodies, step, threads_of(scene), at_once ? &go : NULL);
-    scene->ahead = at_once && more;
+    do {
+        scree_status status = contacts->sweep.steps ? renew_list(scene) : SCREE_OK;
+        if (status) return status;
+        go.margin = 0.5 * contacts->skin;
+        scene->too_far = scree_contacts_act(contacts, bodies, step, threads_of(scene), at_once ? &go : NULL);
+    } while (contacts->sweep.steps);
+    scene->ahead = at_once && go.ahead;
     if (scene->time.energy) book_drives(scene, time);
     scree_bodies_advance(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
+    return SCREE_OK;
 }
+
+/* How many steps are done in one sweep, of `left`: none in which all bodies are looked at, or put in order, begins
+ * within it; nor one whose books are kept. */
+static int steps_of_sweep(scree_scene *scene, long left) {
+    struct scree_contacts *contacts = &scene->contacts;
+    if (contacts->sweep.steps) return contacts->sweep.steps; /* for which there was no memory to go on */
+    if (threads_of(scene) > 1 || scene->time.energy || scene->gravity.tilts || !moves_at_once(scene)) return 1;
+    int most = scree_steps_in_sweep(contacts, &scene->bodies), steps = most - (int)(scene->steps % most);
+    return left < steps ? (int)left : steps;
+}
+_Static_assert(STEPS_TO_LOOK % SCREE_SWEEP == 0 && STEPS_TO_ORDER % SCREE_SWEEP == 0,
+               "sweeps end where bodies are seen to");
 
 /* Bodies that may have to return first don't go to the middle of the next step at once: that would round otherwise than
  * after a break. Nor those that may fall asleep where they are, or be put in the order of their positions. */
-static int may_hurry(const scree_scene *scene) {
-    long next = scene->steps + 1;
+static int may_hurry(const scree_scene *scene, long next) {
     return next % STEPS_TO_ORDER != 0 && !(scene->bodies.periodic && next % STEPS_TO_RETURN == 0) &&
            !(scene->time.sleep > 0.0 && scree_rest_is_look(next));
 }
@@ -247,7 +268,7 @@ static int may_hurry(const scree_scene *scene) {
 static scree_status step_by_impulses(scree_scene *scene, int more) {
     struct scree_bodies *bodies = &scene->bodies, *now = &scene->shadow;
     double time = scree_scene_time(scene), step = scene->step;
-    struct scree_departure go = {.step = step, .ahead = more, .now = now};
+    struct scree_departure go = {.step = step, .steps = 1, .ahead = more, .to_come = 0.5, .now = now};
     int looks = scene->ahead ? bodies->order.members : bodies->count;
     int too_far = scene->waits || (scene->ahead && scene->too_far);
     int at_once = moves_at_once(scene);
@@ -275,7 +296,28 @@ static void wake_or_rest(scree_scene *scene, const double gravity[3]) {
     if (scree_rest_is_look(scene->steps)) scree_rest_look(&scene->contacts, &scene->bodies, scene->step, gravity);
 }
 
-static scree_status step_once(scree_scene *scene, int more) {
+/* The same by Verlet's method: several steps in one sweep, if there are so many `left`. */
+static scree_status step_by_verlet(scree_scene *scene, long left) {
+    struct scree_contacts *contacts = &scene->contacts;
+    scree_status status = SCREE_OK;
+    double gravity[3];
+    scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
+    if (!contacts->sweep.steps) status = keep_lists(scene, &scene->bodies, look_ahead(scene, gravity));
+    if (!status) status = scree_rest_prepare(contacts, &scene->bodies, scene->step, &scene->trouble);
+    int steps = status ? 0 : steps_of_sweep(scene, left);
+    long end = scene->steps + steps;
+    if (!status) status = act_and_advance(scene, gravity, steps, left > steps && may_hurry(scene, end));
+    scene->waits = status == SCREE_NO_MEMORY;
+    if (status) return status;
+    double deep = (double)(scene->steps + contacts->sweep.told) * scene->step;
+    scene->steps = end;
+    if (scene->time.sleep > 0.0) wake_or_rest(scene, gravity);
+    return scree_check_depth(scene, deep);
+}
+
+/* A step, or some of those that are `left`. */
+static scree_status step_on(scree_scene *scene, long left) {
+    if (scene->contacts.sweep.steps) return step_by_verlet(scene, left); /* where it stopped on its way */
     scree_status status = put_back(scene);
     if (!status) status = keep_order(scene);
     if (status) return status;
@@ -284,17 +326,9 @@ static scree_status step_once(scree_scene *scene, int more) {
         if (!status) scree_contacts_note_boxes(&scene->contacts, &scene->bodies);
         return status ? status : scree_check_depth(scene, scree_scene_time(scene));
     }
-    if (scene->time.integrator == SCREE_PAIR_IMPULSE) return step_by_impulses(scene, more && may_hurry(scene));
-    double gravity[3];
-    scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
-    status = keep_lists(scene, &scene->bodies, look_ahead(scene, gravity));
-    if (!status) status = scree_rest_prepare(&scene->contacts, &scene->bodies, scene->step, &scene->trouble);
-    scene->waits = status == SCREE_NO_MEMORY;
-    if (status) return status;
-    act_and_advance(scene, gravity, more && may_hurry(scene));
-    scene->steps++;
-    if (scene->time.sleep > 0.0) wake_or_rest(scene, gravity);
-    return scree_check_depth(scene, scree_scene_time(scene));
+    if (scene->time.integrator == SCREE_PAIR_IMPULSE)
+        return step_by_impulses(scene, left > 1 && may_hurry(scene, scene->steps + 1));
+    return step_by_verlet(scene, left);
 }
 
 scree_status scree_scene_step(scree_scene *scene, long steps) {
@@ -306,14 +340,25 @@ scree_status scree_scene_step(scree_scene *scene, long steps) {
     return scene->time.watch == SCREE_WATCH_HALVE ? scree_step_watched(scene, steps) : scree_step_plainly(scene, steps);
 }
 
+/* Where a run has stopped: of members that are at the middle of their next step, but of those that are at the end of a
+ * sweep behind which there is none. */
+static void find_positions(scree_scene *scene, int ahead) {
+    const struct scree_sweep *sweep = &scene->contacts.sweep;
+    struct scree_bodies *bodies = &scene->bodies;
+    for (int slab = 0; slab < bodies->order.slabs && (ahead || sweep->steps); slab++) {
+        const int *start = &bodies->order.start[slab];
+        int arrived = sweep->steps && scree_steps_ahead(&scene->contacts, bodies, start[0]) == sweep->steps;
+        if (!arrived || sweep->ahead) scree_bodies_find_positions(bodies, start[0], start[1], scene->step);
+    }
+}
+
 scree_status scree_step_plainly(struct scree_scene *scene, long steps) {
-    for (long k = 0; k < steps; k++) {
+    for (long end = scene->steps + steps; scene->steps < end;) {
         long before = scene->steps;
         int ahead = scene->ahead;
-        scree_status status = step_once(scene, k + 1 < steps);
+        scree_status status = step_on(scene, end - before);
         if (!status) continue;
-        if (scene->steps > before) ahead = scene->ahead;
-        if (ahead && scene->time.integrator == SCREE_VERLET) scree_bodies_find_positions(&scene->bodies, scene->step);
+        if (scene->time.integrator == SCREE_VERLET) find_positions(scene, scene->steps > before ? scene->ahead : ahead);
         return status;
     }
     return SCREE_OK;
