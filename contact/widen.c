@@ -235,7 +235,8 @@ static struct scree_stay stay_of(const struct scree_contacts *contacts, const st
     struct scree_stay stay = {HUGE_VAL, -HUGE_VAL};
     for (int k = bodies->order.start[slab]; k < bodies->order.start[slab + 1]; k++) {
         const struct scree_record *record = &bodies->record[k];
-        double x = record->x[bodies->order.axis[0]], reach = record->bound + left_by_outer(contacts, bodies, k);
+        double x = record->x[bodies->order.axis[0]], left = left_by_outer(contacts, bodies, k);
+        double reach = record->bound + fmax(left, 0.0);
         stay.low = fmin(stay.low, x - reach);
         stay.high = fmax(stay.high, x + reach);
     }
