@@ -669,6 +669,9 @@ int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies
 
 /* How many steps slabs may go through in one sweep, and gain by it: a part of SCREE_SWEEP where the third cache holds
  * what is under way but not the whole scene, else 1. */
+int scree_most_in_sweep(const struct scree_contacts *contacts, const struct scree_bodies *bodies);
+
+/* The same now: 1 while bodies fly (flight.c), or slabs with another one between them might meet. */
 int scree_steps_in_sweep(struct scree_contacts *contacts, const struct scree_bodies *bodies);
 
 /* By how many steps a body is ahead of where the sweep that stopped on its way began. */

@@ -52,11 +52,16 @@ static int steps_in_cache(const struct scree_contacts *contacts, const struct sc
     return steps;
 }
 
-int scree_steps_in_sweep(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+int scree_most_in_sweep(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     enum { LEAST_SLABS = 2 * SCREE_SWEEP };
     if (bodies->count < contacts->cached || bodies->order.slabs < LEAST_SLABS) return 1;
-    if (bodies->flight || bodies->calm || bodies->periodic || bodies->past || contacts->measured) return 1;
-    return are_frozen(bodies) && are_apart(contacts, bodies) ? steps_in_cache(contacts, bodies) : 1;
+    if (bodies->calm || bodies->periodic || bodies->past || contacts->measured) return 1;
+    return are_frozen(bodies) ? steps_in_cache(contacts, bodies) : 1;
+}
+
+int scree_steps_in_sweep(struct scree_contacts *contacts, const struct scree_bodies *bodies) {
+    int most = scree_most_in_sweep(contacts, bodies);
+    return most > 1 && !bodies->flight && are_apart(contacts, bodies) ? most : 1;
 }
 
 /* ---- one sweep ---- */

@@ -109,8 +109,11 @@ static void describe_rule(const scree_scene *scene, const struct scree_rule *rul
 static void describe_order(const scree_scene *scene, FILE *file) {
     const struct scree_order *order = &scene->bodies.order;
     if (!order->slabs) return;
-    fprintf(file, "bodies in the order of space: %d balls in %d slabs across %c\n",
-            scene->bodies.count - order->members, order->slabs, "xyz"[order->axis[0]]);
+    fprintf(file, "bodies in the order of space: %d balls in %d slabs across %c", scene->bodies.count - order->members,
+            order->slabs, "xyz"[order->axis[0]]);
+    int most = scree_scene_most_in_sweep(scene);
+    if (most > 1) fprintf(file, ", up to %d steps in one sweep through them where nothing goes fast", most);
+    fprintf(file, "\n");
 }
 
 static void describe_near(const scree_scene *scene, FILE *file) {

@@ -119,6 +119,9 @@ struct scree_scene {
 scree_status scree_step_plainly(struct scree_scene *scene, long steps);
 scree_status scree_step_watched(struct scree_scene *scene, long steps);
 
+/* How many steps the scene may go through in one sweep (scree_most_in_sweep), at most. */
+int scree_scene_most_in_sweep(const scree_scene *scene);
+
 /* By which share of what was turned over the books are off with watch = "halve": the shares kept at each halving, and
  * that since the last, added up. 0 if there is no memory to reckon it. */
 double scree_books_lack(scree_scene *scene);

@@ -245,13 +245,22 @@ static scree_status act_and_advance(scree_scene *scene, const double gravity[3],
     return SCREE_OK;
 }
 
+static int may_sweep(const scree_scene *scene) {
+    return scene->time.integrator == SCREE_VERLET && threads_of(scene) == 1 && !scene->time.energy &&
+           !scene->gravity.tilts;
+}
+
+int scree_scene_most_in_sweep(const scree_scene *scene) {
+    return may_sweep(scene) ? scree_most_in_sweep(&scene->contacts, &scene->bodies) : 1;
+}
+
 /* How many steps are done in one sweep, of `left`: none in which all bodies are looked at, or put in order, begins
  * within it; nor one whose books are kept. */
 static int steps_of_sweep(scree_scene *scene, long left) {
     struct scree_contacts *contacts = &scene->contacts;
     if (contacts->sweep.steps) return contacts->sweep.steps; /* for which there was no memory to go on */
-    if (threads_of(scene) > 1 || scene->time.energy || scene->gravity.tilts || !moves_at_once(scene)) return 1;
-    int most = scree_steps_in_sweep(contacts, &scene->bodies), steps = most - (int)(scene->steps % most);
+    int most = may_sweep(scene) ? scree_steps_in_sweep(contacts, &scene->bodies) : 1;
+    int steps = most - (int)(scene->steps % most);
     return left < steps ? (int)left : steps;
 }
 _Static_assert(STEPS_TO_LOOK % SCREE_SWEEP == 0 && STEPS_TO_ORDER % SCREE_SWEEP == 0,

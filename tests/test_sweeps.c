@@ -128,6 +128,7 @@ static void test_not_swept(void) {
     char *text = trough_text(0);
     for (size_t k = 0; k < sizeof changes / sizeof *changes; k++) {
         scree_scene *scene = scene_of(text, changes[k], changes[k][1] ? 2 : 1, 1);
+        CHECK(scree_scene_most_in_sweep(scene) == 1);
         go(scene, 40);
         CHECK(scene->contacts.sweep.made == 0);
         scree_scene_destroy(scene);
@@ -214,6 +215,13 @@ static void test_steps_in_sweep(void) {
     char *text = trough_text(0);
     scree_scene *scene = scene_of(text, NULL, 0, 1);
     struct scree_contacts *contacts = &scene->contacts;
+    char *plan = NULL;
+    size_t size;
+    FILE *file = open_memstream(&plan, &size);
+    scree_scene_describe(scene, file);
+    fclose(file);
+    CHECK(strstr(plan, "slabs across x, up to 4 steps in one sweep"));
+    free(plan);
     go(scene, 4);
     CHECK(scree_steps_in_sweep(contacts, &scene->bodies) == SCREE_SWEEP);
     int before = SCREE_SWEEP, steps = 0;
