@@ -245,6 +245,7 @@ static scree_status act_and_advance(scree_scene *scene, const double gravity[3],
     return SCREE_OK;
 }
 
+/* Not where each step has books of its own, or a gravity; nor where threads share the slabs. */
 static int may_sweep(const scree_scene *scene) {
     return scene->time.integrator == SCREE_VERLET && threads_of(scene) == 1 && !scene->time.energy &&
            !scene->gravity.tilts;
@@ -254,8 +255,8 @@ int scree_scene_most_in_sweep(const scree_scene *scene) {
     return may_sweep(scene) ? scree_most_in_sweep(&scene->contacts, &scene->bodies) : 1;
 }
 
-/* How many steps are done in one sweep, of `left`: none in which all bodies are looked at, or put in order, begins
- * within it; nor one whose books are kept. */
+/* How many steps are done in one sweep, of `left`: none before which all bodies are looked at, or put in order, begins
+ * within it. */
 static int steps_of_sweep(scree_scene *scene, long left) {
     struct scree_contacts *contacts = &scene->contacts;
     if (contacts->sweep.steps) return contacts->sweep.steps; /* for which there was no memory to go on */
