@@ -643,10 +643,17 @@ static inline void scree_note(double value, const struct scree_bodies *bodies, i
 /* Slabs go in stretches of so many (slabs.c). */
 enum { SCREE_STRETCH = 3 };
 
+/* Bodies at places from … to - 1. */
+struct scree_places {
+    int from, to;
+};
+
 /* From one piece of a slab's contacts of two balls to the next: by pair impulses bodies before place `prefetched`
  * have been asked for; so many contacts come behind the piece; the slab is next to another thread's. */
 struct scree_trail {
     int prefetched, behind, at_border;
+    int asked;                  /* the bodies of the piece have been asked for, */
+    struct scree_places ask[2]; /* and these of the slab and of the next one are to be, for the next piece */
 };
 
 /* The first place that a contact has to do with, and the last one. */

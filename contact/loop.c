@@ -149,11 +149,13 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 
 /* ---- memory ---- */
 
-/* A scene that the third cache doesn't hold goes through the others once a step: what contacts need is asked for some
- * blocks before. Of two bodies that is the later one, since most have been the later one of a contact before they are
- * the first; the others come in the order of their places. Most are asked for several times: to find out which are new
- * would cost more, in branches that a processor guesses wrong. What stays in the third cache isn't asked for, unless
- * another thread has written it: to write what others have copies of takes longer than to read it. */
+/* A scene that the third cache doesn't hold goes through the others once a step: what contacts need is asked for
+ * before. Of bodies that is what a strip needs that those before it didn't: once each, during the strip before
+ * (slabs.c). Where there are no strips, or where threads might write the same bodies, they are asked for some blocks
+ * before, with each contact. Of two that is the later one, since most have been the later one of a contact before they
+ * are the first; the others come in the order of their places. Most are asked for several times so: to find out which
+ * are new would cost more, in branches that a processor guesses wrong. What stays in the third cache isn't asked for,
+ * unless another thread has written it: to write what others have copies of takes longer than to read it. */
 enum { BLOCKS_AHEAD = 2 };
 
 static SCREE_INLINE void prefetch_record(const struct scree_bodies *bodies, int place) {
@@ -168,19 +170,33 @@ static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int pl
     scree_prefetch_line(&bodies->state[place]);
 }
 
+/* With each contact from `own` on: those of a quarter of a block. */
+static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, const struct scree_ends *own, int count) {
+    int first = scree_first_of(own), some = count / 2; /* a body has two or three contacts */
+    for (int k = 0; k < count; k++) prefetch_body(bodies, scree_last_of(&own[k]));
+    for (int place = first; place < first + some; place++) prefetch_record(bodies, place);
+}
+
+/* Of bodies for the next strip a share that leaves as many for each quarter of a block. */
+static int share_of(struct scree_places ask, int count) {
+    int quarters = (count + SCREE_LANES - 1) / SCREE_LANES * 4;
+    return ask.from < ask.to ? (ask.to - ask.from + quarters - 1) / quarters : 0;
+}
+
+static SCREE_INLINE void prefetch_share(const struct scree_bodies *bodies, struct scree_places *ask, int share) {
+    for (int left = share; left > 0 && ask->from < ask->to; left--) prefetch_body(bodies, ask->from++);
+}
+
 /* For a quarter of a block at a time: at once it would wait in a queue, and the passes behind it. `left`: contacts from
  * `own` on. */
 static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                                         const struct work *w, const struct scree_ends *own, int left, int quarter,
-                                        const struct scree_trail *trail) {
+                                        struct scree_trail *trail, const int share[2]) {
     enum { QUARTER = SCREE_LANES / 4 };
     if (bodies->count < contacts->cached && !trail->at_border) return;
     int from = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER, to = from + QUARTER;
-    if (to <= left) {
-        int first = scree_first_of(&own[from]), some = QUARTER / 2; /* a body has two or three contacts */
-        for (int k = from; k < to; k++) prefetch_body(bodies, scree_last_of(&own[k]));
-        for (int place = first; place < first + some; place++) prefetch_record(bodies, place);
-    }
+    if (!trail->asked && to <= left) prefetch_bodies(bodies, &own[from], QUARTER);
+    for (int slab = 0; slab < 2; slab++) prefetch_share(bodies, &trail->ask[slab], share[slab]);
     if (!w->wants.remembers) return;
     for (int m = 0; m < 3; m++) SCREE_PREFETCH_TO_WRITE(w->kept[m], from, to);
     if (quarter == 0 && w->batch->slides)
@@ -279,6 +295,7 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     struct scree_contact contact[SCREE_LANES];
     struct work w = work_on(contacts, bodies, batch, first, step);
     int deeds = deeds_of(batch, w.rule, batch->turns), turn = 0; /* of slabs: no corners */
+    const int share[2] = {share_of(trail->ask[0], count), share_of(trail->ask[1], count)};
     find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
     for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
@@ -287,14 +304,14 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
         w.wants.most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
         if (left) find_ends(bodies, own + here, left, &ends[!turn]);
         begin_at(&w, first + done);
-        prefetch_ahead(contacts, bodies, &w, own, to_come, 0, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 0, trail, share);
         name_contacts(batch, first + done, here, contact);
         int events = gather(bodies, batch, contact, &ends[turn], here, w.wants, &b);
-        prefetch_ahead(contacts, bodies, &w, own, to_come, 1, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 1, trail, share);
         press(&w, first + done, here, events, &b);
-        prefetch_ahead(contacts, bodies, &w, own, to_come, 2, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 2, trail, share);
         push(&ends[turn], &b, here, batch, deeds, w.wants.sizes.even, contacts->in_hand, step);
-        prefetch_ahead(contacts, bodies, &w, own, to_come, 3, trail);
+        prefetch_ahead(contacts, bodies, &w, own, to_come, 3, trail, share);
         if (events & DEEPER) note_depths(&b, own, here, w.wants.sizes, tally);
         if (batch->slope != 0.0) note_slopes(&b, own, here, batch->slope, step, tally);
         if (contacts->measured) note_losses(&b, here, w.rule, step, tally);

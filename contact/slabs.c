@@ -134,6 +134,15 @@ static int end_of_lent(struct scree_gate gate, int first_next) {
     return first_next <= gate.last_next ? first_next : gate.last_next + 1;
 }
 
+/* What the next strip needs that those so far didn't; nothing behind the last one. */
+static void look_ahead(const struct scree_gate *gate, int is_last, struct scree_places ask[2]) {
+    ask[0] = ask[1] = (struct scree_places){0, 0};
+    if (is_last) return;
+    int next = gate[0].last_next;
+    ask[0] = (struct scree_places){gate[0].last_own + 1, gate[1].last_own + 1};
+    ask[1] = (struct scree_places){next < 0 ? gate[1].first_next : next + 1, gate[1].last_next + 1};
+}
+
 static void act_strips(struct scree_slabs *all, int slab, int at_border, const unsigned char *lent,
                        struct scree_tally *tally) {
     const int *start = &all->bodies->order.start[slab];
@@ -148,9 +157,12 @@ static void act_strips(struct scree_slabs *all, int slab, int at_border, const u
         int next = batch ? end_of_piece(batch, segment, from, to) : from;
         int first_next = to < start[1] ? gate[1].first_next : INT_MAX;
         trail.behind = segment->first + segment->count - next;
+        int looks = all->team < 2 && next > from;
+        look_ahead(gate, !looks || to == start[1], trail.ask);
         wait_at(all, slab, *gate);
         if (next > from)
             all->work(all->argument, all->contacts, all->bodies, batch, from, next - from, all->step, tally, &trail);
+        trail.asked = looks;
         from = next;
         move_up(all, place, to, lent, 0, tally);
         tell(all, slab, to, first_next);
