@@ -44,7 +44,7 @@ static int are_apart(struct scree_contacts *contacts, const struct scree_bodies 
 
 /* From a unit's turn in one step to that in the next, a sweep goes through two units less one for each of its steps. So
  * many have to fit into the third cache, at 0.4 kB a body (scree_bodies_in_cache counts 2 kB). Where it has 32 MB,
- * 100,000 spheres at rest take 0.91 of the time by 4 steps at once, 0.96 by 8; 1,000,000 take 0.92 by 2, 0.95 by 4. */
+ * 100,000 spheres at rest take 0.91 of the time by 4 steps at once, 0.96 by 8; 1,000,000 take 0.91 to 1.00 by 2. */
 static int steps_in_cache(const struct scree_contacts *contacts, const struct scree_bodies *bodies) {
     double unit = (bodies->count - bodies->order.members) / (unit_of(bodies->order.slabs - 1) + 1.0);
     int steps = SCREE_SWEEP;
