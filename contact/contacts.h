@@ -506,6 +506,16 @@ struct scree_departure {
 int scree_contacts_act(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                        const struct scree_departure *go);
 
+/* How many steps slabs may go through in one sweep, and gain by it: a part of SCREE_SWEEP where the third cache holds
+ * what is under way but not the whole scene, else 1. */
+int scree_most_in_sweep(const struct scree_contacts *contacts, const struct scree_bodies *bodies);
+
+/* The same now: 1 while bodies fly (flight.c), or slabs with another one between them might meet. */
+int scree_steps_in_sweep(struct scree_contacts *contacts, const struct scree_bodies *bodies);
+
+/* By how many steps a body is ahead of where the sweep that stopped on its way began. */
+int scree_steps_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k);
+
 /* Step by pair impulses (impulse.c) instead: call it before the first list. `substeps` times as many per step and
  * contact as its stiffness asks for; 0: so many, with friction two where one isn't enough. */
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps);
@@ -673,16 +683,6 @@ typedef void scree_segment_work(void *argument, struct scree_contacts *contacts,
                                 struct scree_tally *tally, struct scree_trail *trail);
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go);
-
-/* How many steps slabs may go through in one sweep, and gain by it: a part of SCREE_SWEEP where the third cache holds
- * what is under way but not the whole scene, else 1. */
-int scree_most_in_sweep(const struct scree_contacts *contacts, const struct scree_bodies *bodies);
-
-/* The same now: 1 while bodies fly (flight.c), or slabs with another one between them might meet. */
-int scree_steps_in_sweep(struct scree_contacts *contacts, const struct scree_bodies *bodies);
-
-/* By how many steps a body is ahead of where the sweep that stopped on its way began. */
-int scree_steps_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int k);
 
 /* Find out where the bodies of slabs may be until the next outer list, if it isn't known. */
 void scree_find_stays(struct scree_contacts *contacts, const struct scree_bodies *bodies);

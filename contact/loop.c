@@ -149,7 +149,7 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
 
 /* ---- memory ---- */
 
-/* A scene that the third cache doesn't hold goes through the others once a step: what contacts need is asked for
+/* A scene that the third cache doesn't hold goes through the others in every step: what contacts need is asked for
  * before. Of bodies that is what a strip needs that those before it didn't: once each, during the strip before
  * (slabs.c). Where there are no strips, or where threads might write the same bodies, they are asked for some blocks
  * before, with each contact. Of two that is the later one, since most have been the later one of a contact before they

@@ -14,7 +14,6 @@
 #include "contact/slabs.h"
 
 #include <limits.h>
-#include <string.h>
 
 /* Which unit a slab belongs to; and which of its slabs a unit is named by, the last one to go. */
 static int unit_of(int slab) { return slab - slab / SCREE_STRETCH; }
