@@ -1,5 +1,12 @@
 /* How a free ball goes through a step of the pair-impulse method: what pairs have to know of it beforehand, and how it
- * moves by their impulses (all other bodies: moments.c). On rows of four numbers, as in balls.h. */
+ * moves by their impulses (all other bodies: moments.c). On rows of four numbers, as in balls.h.
+ *
+ * Records show it in the middle of the step where its accelerations A_1 of the last step and A_2 of the one before,
+ * extrapolated, take it in half a step:
+ *
+ *   x + h/2 v + h^2/8 A_1 + h^2/12 (A_1 - A_2),  v + h/2 A_1 + 3/8 h (A_1 - A_2)
+ *
+ * which is what contacts need that hardly change (contact/steady.c). */
 #ifndef SCREE_BODIES_PUSHED_H
 #define SCREE_BODIES_PUSHED_H
 
@@ -49,8 +56,26 @@ static inline scree_row scree_row_with(scree_row a, double fourth) {
 
 static inline double scree_row_square(scree_row a) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
 
-/* The start of the step into `now`, accelerations if all goes on as in the last two steps; then the middle of the step
- * as in balls.h. Nonzero if the path has outgrown the margin. */
+/* The middle of the step. Returns the square of the speed off its flight, as scree_ball_look_ahead. */
+static inline double scree_ball_foresee(struct scree_record *record, struct scree_spin *spin,
+                                        struct scree_ball_rows rows, struct scree_ball_past p, double step,
+                                        scree_row gravity, const float *flight) {
+    const scree_row none = {0.0, 0.0, 0.0, 0.0};
+    scree_row off = rows.v - scree_row_of_floats(flight), square = off * off;
+    scree_row kick = scree_row_times(record->inverse_mass, p.impulse) + scree_row_times(step, gravity);
+    scree_row more = scree_row_times(record->inverse_mass, p.impulse - p.impulse_before);
+    scree_row ahead = rows.l + scree_row_times(0.5, p.turn) + scree_row_times(0.375, p.turn - p.turn_before);
+    scree_row bent = scree_row_times(0.125 * step, kick) + scree_row_times(step * (1.0 / 12.0), more);
+    scree_row_put(rows.x + (scree_row_times(0.5 * step, rows.v) + bent), record->x);
+    scree_row_put(rows.v + (scree_row_times(0.5, kick) + scree_row_times(0.375, more)), record->v);
+    scree_row_put(scree_row_times(record->inverse_moment, ahead), spin->w);
+    scree_row_put(none, record->impulse);
+    scree_row_put(none, record->turn);
+    return square[0] + square[1] + square[2];
+}
+
+/* The start of the step into `now`, accelerations if all goes on as in the last two steps; then the middle of the
+ * step. Nonzero if the path has outgrown the margin. */
 static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, struct scree_ball_rows rows,
                                      struct scree_ball_past p, double step, scree_row gravity, double fall,
                                      double margin, struct scree_bodies *now) {
@@ -69,7 +94,7 @@ static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, str
     *(scree_row *)bodies->moment[index] = none;
     scree_row square = {scree_row_square(rows.v), scree_row_square(p.impulse), scree_row_square(p.impulse_before), 0.0};
     square[3] =
-        scree_ball_look_ahead(record, &bodies->spin[index], rows, step, gravity, scree_flight_row(bodies, index));
+        scree_ball_foresee(record, &bodies->spin[index], rows, p, step, gravity, scree_flight_row(bodies, index));
     scree_row size = scree_row_root(square);
     double range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], fall, step);
     *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.impulse), range);
@@ -93,7 +118,8 @@ static inline struct scree_ball_rows scree_ball_go_on(struct scree_bodies *bodie
     scree_row v = *(const scree_row *)state;
     scree_row moved = scree_row_times(record->inverse_mass, *(const scree_row *)bodies->moment[index]) +
                       scree_row_times(0.5 * step * step, gravity);
-    scree_row x = *(const scree_row *)record->x + (scree_row_times(0.5 * step, v) + moved);
+    scree_row half = scree_row_times(0.5 * step, v),
+              x = (scree_row_of(bodies->position[index]) + half) + (half + moved);
     scree_row l = scree_row_settle(scree_row_behind(state) + turn);
     v = scree_row_settle(v + (scree_row_times(record->inverse_mass, impulse) + scree_row_times(step, gravity)));
     *(scree_row *)state = v; /* in this order: its fourth number isn't that of the momentum */
@@ -125,6 +151,27 @@ static inline int scree_ball_move_by_moments(struct scree_bodies *bodies, int in
 /* Number by number: the same bits. */
 static inline double scree_size_of(const double a[3]) { return vec_norm(vec_from(a)); }
 
+static inline double scree_ball_foresee(struct scree_bodies *bodies, int index, double step, scree_row gravity,
+                                        const float *flight) {
+    struct scree_record *record = &bodies->record[index];
+    const struct scree_past *past = &bodies->past[index];
+    const struct scree_state *state = &bodies->state[index];
+    double square = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double v = state->v[k], off = v - (double)flight[k];
+        double kick = record->inverse_mass * past->impulse[0][k] + step * gravity[k];
+        double more = record->inverse_mass * (past->impulse[0][k] - past->impulse[1][k]);
+        double ahead = state->l[k] + 0.5 * past->turn[0][k] + 0.375 * (past->turn[0][k] - past->turn[1][k]);
+        double bent = 0.125 * step * kick + step * (1.0 / 12.0) * more;
+        record->x[k] = bodies->position[index][k] + (0.5 * step * v + bent);
+        record->v[k] = v + (0.5 * kick + 0.375 * more);
+        bodies->spin[index].w[k] = record->inverse_moment * ahead;
+        record->impulse[k] = record->turn[k] = 0.0;
+        square = k ? square + off * off : off * off;
+    }
+    return square;
+}
+
 static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
                                        double fall, double margin, struct scree_bodies *now) {
     struct scree_record *record = &bodies->record[index], *start = &now->record[index];
@@ -151,8 +198,7 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
     past->range = push->along[3] =
         scree_ball_range(scree_size_of(state->v), record->inverse_mass, scree_size_of(past->impulse[0]),
                          scree_size_of(past->impulse[1]), fall, step);
-    double square = scree_ball_look_ahead(record, &bodies->spin[index], scree_ball_rows(state, bodies->position[index]),
-                                          step, gravity, scree_flight_row(bodies, index));
+    double square = scree_ball_foresee(bodies, index, step, gravity, scree_flight_row(bodies, index));
     return scree_outgrown(&bodies->path[index], step * sqrt(square), margin, 0.5);
 }
 
@@ -167,8 +213,9 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
         double l = state->l[k] + record->turn[k];
         state->v[k] = scree_settle(v);
         state->l[k] = scree_settle(l);
+        double half = 0.5 * step * before;
         bodies->position[index][k] =
-            record->x[k] + (0.5 * step * before + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
+            (bodies->position[index][k] + half) + (half + (inverse_mass * moment[k] + 0.5 * step * step * gravity[k]));
     }
     scree_settle_past(&bodies->past[index], record);
 }

@@ -22,6 +22,7 @@
 enum { SCREE_SEGMENTS = SCREE_SLABS + 1 };
 enum {
     SCREE_LANES = 32,   /* contacts in a block: their work columns stay in the L1 cache */
+    SCREE_WINDOW = 4,   /* blocks of which contacts that take longer are drawn together */
     SCREE_PADDING = 32, /* passes run over whole vectors: what columns hold is padded to a multiple of this */
 };
 
@@ -534,10 +535,11 @@ int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodie
 void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct scree_bodies *bodies, int count,
                                        double time, double step, const double gravity[3], int threads);
 
-/* Contacts first … first + count - 1, a block or less, through such a step: what they yield (impulse.c). */
-uint32_t scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                           const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
-                           double step, struct scree_yield *yield, struct scree_moments *moments);
+/* Contacts first … first + count - 1, a window of blocks or less, through such a step: what the contacts of each block
+ * yield, and bits of those that went one by one (impulse.c). */
+void scree_impel_window(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
+                        double step, struct scree_yield *yield, struct scree_moments *moments, uint32_t *odd);
 
 /* All near contacts through one step by pair impulses (impel.c): `bodies` half a step ahead, `now` at its start
  * (scree_contacts_look_both). Impulses and moments are added to the bodies. `go` and what is returned: as with

@@ -5,8 +5,9 @@
 
 static void impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int block, double step) {
-    scree_impel_lanes(contacts, bodies, now, batch, batch->segment[0].first + block * SCREE_LANES,
-                      scree_contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block]);
+    uint32_t odd;
+    scree_impel_window(contacts, bodies, now, batch, batch->segment[0].first + block * SCREE_LANES,
+                       scree_contacts_in_block(batch, block), step, &batch->yield[block], &batch->moments[block], &odd);
 }
 
 /* Moments of angular impulses into the bodies; balls have no attitude, and need none. `lanes`: bits of those that may
@@ -55,14 +56,16 @@ struct stride {
 };
 
 /* Bodies lie in the order in which contacts come to them: they are asked for so many places ahead, partners that lie
- * farther by themselves, and what is kept of contacts some blocks ahead (as in loop.c, but each of them needs four
- * times as much). */
-enum { AHEAD = 96, BLOCKS_AHEAD = 3, SIZE = 4 };
+ * farther by themselves, and what is kept of contacts a window ahead (as in loop.c, but each of them needs four times
+ * as much). */
+enum { AHEAD = 96, SIZE = 4 };
 
 static SCREE_INLINE void prefetch_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
     SCREE_PREFETCH(bodies->record, k, k + 1);
     SCREE_PREFETCH(bodies->push, k, k + 1);
+    SCREE_PREFETCH(bodies->spin, k, k + 1);
     __builtin_prefetch(bodies->moment[k], 0, 2);
+    __builtin_prefetch(bodies->past[k].impulse[0], 0, 2);
     __builtin_prefetch(now->record[k].x, 0, 2);
     __builtin_prefetch(now->spin[k].w, 0, 2);
 }
@@ -86,7 +89,7 @@ static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, c
     const struct scree_ends *own = &batch->ends[next];
     if (left <= 0 || bodies->count < contacts->cached / SIZE) return;
     int first = scree_first_of(own), to = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
-    int from = *prefetched > first ? *prefetched : first, later = BLOCKS_AHEAD * SCREE_LANES;
+    int from = *prefetched > first ? *prefetched : first, later = SCREE_WINDOW * SCREE_LANES;
     if (to > from) prefetch_bodies(bodies, now, from, *prefetched = to);
     for (int k = later; k < later + SCREE_LANES && k < left; k++) {
         int last = scree_last_of(&own[k]);
@@ -97,24 +100,35 @@ static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, c
     for (int m = 0; batch->kept[0] && m < 3; m++) SCREE_PREFETCH(&batch->kept[m][next], later, later + SCREE_LANES);
 }
 
+/* What a block yields, to its bodies, in the order of its contacts. */
+static void add_block(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_batch *batch,
+                      int first, int count, uint32_t odd, struct scree_yield *yield, struct scree_moments *moments,
+                      struct scree_tally *tally) {
+    const struct scree_ends *own = &batch->ends[first];
+    int hosts = batch->geometry == SCREE_BALL_BALL;
+    clear_turns(batch, first, count, yield);
+    int more = contacts->loop->add_up(bodies, own, count, batch->any_turns, hosts, yield, moments, tally);
+    add_turn_moments(bodies, batch, first, odd, count, hosts, moments);
+    for (int lane = 0; more && lane < count; lane++) tally_lane(&own[lane], yield, lane, tally);
+    if (contacts->measured) scree_tally_losses(tally, &yield->lost, count);
+}
+
 static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
                           const struct scree_batch *batch, int first, int all, double step, struct scree_tally *tally,
                           struct scree_trail *trail) {
     const struct stride *stride = context;
-    struct scree_yield yield;
-    struct scree_moments moments;
-    int hosts = batch->geometry == SCREE_BALL_BALL;
+    struct scree_yield yield[SCREE_WINDOW];
+    struct scree_moments moments[SCREE_WINDOW];
+    uint32_t odd[SCREE_WINDOW];
     for (int left = all, count; left > 0; left -= count, first += count) {
-        count = left < SCREE_LANES ? left : SCREE_LANES;
-        prefetch_ahead(contacts, bodies, stride->now, batch, first + count, left - count + trail->behind,
-                       &trail->prefetched);
-        const struct scree_ends *own = &batch->ends[first];
-        uint32_t odd = scree_impel_lanes(contacts, bodies, stride->now, batch, first, count, step, &yield, &moments);
-        clear_turns(batch, first, count, &yield);
-        int more = contacts->loop->add_up(bodies, own, count, batch->any_turns, hosts, &yield, &moments, tally);
-        add_turn_moments(bodies, batch, first, odd, count, hosts, &moments);
-        for (int lane = 0; more && lane < count; lane++) tally_lane(&own[lane], &yield, lane, tally);
-        if (contacts->measured) scree_tally_losses(tally, &yield.lost, count);
+        count = left < SCREE_WINDOW * SCREE_LANES ? left : SCREE_WINDOW * SCREE_LANES;
+        scree_impel_window(contacts, bodies, stride->now, batch, first, count, step, yield, moments, odd);
+        for (int done = 0, block = 0; done < count; done += SCREE_LANES, block++) {
+            prefetch_ahead(contacts, bodies, stride->now, batch, first + done, left - done + trail->behind,
+                           &trail->prefetched);
+            add_block(contacts, bodies, batch, first + done, count - done < SCREE_LANES ? count - done : SCREE_LANES,
+                      odd[block], &yield[block], &moments[block], tally);
+        }
     }
 }
 

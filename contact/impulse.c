@@ -133,19 +133,36 @@ static struct view view_of_crossing(const struct scree_bodies *bodies, const str
     return view;
 }
 
-static struct view view_of(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                           enum scree_geometry geometry, struct pair_of_boxes *pair) {
+/* Where its velocity at the start takes a body by the middle of the step, or (`half` 0, `bodies` as `now`) where it
+ * starts. (Records show free balls where they are foreseen to be, pushed.h; the drift of a contact is no acceleration.)
+ */
+static struct vec centre_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k, double half) {
+    const struct scree_record *start = &now->record[k];
+    if (bodies->class[k] != SCREE_CLASS_BALL) return vec_from(bodies->record[k].x);
+    return vec_axpy(vec_from(start->x), half, vec_from(start->v));
+}
+
+static struct view view_of(const struct scree_bodies *bodies, const struct scree_bodies *now, double half,
+                           const struct scree_contact *contact, enum scree_geometry geometry,
+                           struct pair_of_boxes *pair) {
     if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
         bring_boxes(bodies, contact, pair);
         if (geometry == SCREE_EDGE_EDGE || pair->boxes.inset.by > 0.0)
             return view_of_crossing(bodies, contact, geometry, pair);
     }
     const struct scree_record *ball = &bodies->record[contact->ball];
+    const struct scree_record *host = &bodies->record[contact->host];
     struct vec corner = scree_corner_of(bodies, contact, geometry);
-    struct scree_meeting m = scree_meet(bodies, contact, geometry, vec_add(vec_from(ball->x), corner));
+    struct vec centre = centre_of(bodies, now, contact->ball, half),
+               other = centre_of(bodies, now, contact->host, half);
+    struct vec shift = scree_shift_of(bodies, contact, geometry);
+    struct scree_meeting m =
+        geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE
+            ? scree_meet_ball(vec_sub(vec_add(centre, corner), shift), ball->radius, other, host->radius)
+            : scree_meet(bodies, contact, geometry, vec_add(centre, corner));
     return (struct view){.normal = m.normal,
                          .arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
-                         .apart = scree_apart(bodies, contact, geometry),
+                         .apart = vec_sub(vec_sub(centre, other), shift),
                          .overlap = m.overlap,
                          .borne = 1.0,
                          .muffled = 1.0};
@@ -160,6 +177,7 @@ static struct vec turn_along(struct vec v, struct vec a, struct vec b) {
 /* A contact in the loop: where it is in its batch, and where its yield goes. */
 struct place {
     const struct scree_batch *batch;
+    const struct scree_bodies *now;
     int index, lane; /* in the batch; in what follows */
     struct scree_yield *yield;
     struct scree_moments *moments;
@@ -346,11 +364,28 @@ static void add_to(double column[3][SCREE_LANES], int lane, struct vec a) {
     column[2][lane] += a.z;
 }
 
+/* How rolling laws expect a body to move in the middle of the step: as the last step goes on. They are dashpots, and
+ * what is extrapolated from two steps would bear but half as much of them as what is from one. */
+static struct vec expected_velocity(const struct scree_bodies *bodies, int k, double step) {
+    const struct scree_past *past = &bodies->past[k];
+    if (bodies->class[k] != SCREE_CLASS_BALL) return vec_from(bodies->record[k].v);
+    struct vec kick = vec_add(vec_scale(bodies->record[k].inverse_mass, vec_from(past->impulse[0])),
+                              vec_scale(step, vec_from(past->known)));
+    return vec_axpy(vec_from(bodies->state[k].v), 0.5, kick);
+}
+
+static struct vec expected_spin(const struct scree_bodies *bodies, int k) {
+    if (bodies->class[k] != SCREE_CLASS_BALL) return scree_spin_of(bodies, k);
+    struct vec momentum = vec_axpy(vec_from(bodies->state[k].l), 0.5, vec_from(bodies->past[k].turn[0]));
+    return vec_scale(bodies->record[k].inverse_moment, momentum);
+}
+
 /* The part of the step that is left where a contact begins in it: 1 in any other step. */
 static double part_left(const struct scree_bodies *bodies, struct place place, struct view middle, double step) {
     if (vec_norm2(past_of(place.batch, 1, place.index)) > 0.0) return 1.0;
     const struct scree_ends *contact = &place.batch->ends[place.index];
-    struct vec ball = vec_from(bodies->record[contact->ball].v), host = vec_from(bodies->record[contact->host].v);
+    struct vec ball = expected_velocity(bodies, contact->ball, step);
+    struct vec host = expected_velocity(bodies, contact->host, step);
     double closing = -vec_dot(vec_sub(ball, host), middle.normal);
     if (!(closing > 0.0)) return 1.0;
     return fmax(scree_share_of(scree_half_steps_in(middle.overlap, closing, step)), 1e-6);
@@ -367,7 +402,7 @@ static struct turning turning_of(const struct scree_bodies *bodies, struct place
                                  double impulse, double *const *own, double step) {
     const struct scree_ends *contact = &place.batch->ends[place.index];
     int k = place.index;
-    struct vec ball = scree_spin_of(bodies, contact->ball), host = scree_spin_of(bodies, contact->host);
+    struct vec ball = expected_spin(bodies, contact->ball), host = expected_spin(bodies, contact->host);
     struct vec velocity = vec_scale(scree_pair(place.batch, SCREE_PAIR_LEVER, k), vec_sub(ball, host));
     struct vec n = middle.normal;
     double along = vec_dot(velocity, n), time = step * part_left(bodies, place, middle, step);
@@ -436,7 +471,7 @@ static void roll_on(const struct scree_contacts *contacts, const struct scree_bo
                     double step) {
     const struct scree_batch *batch = place.batch;
     struct scree_contact contact = scree_contact_at(batch, place.index);
-    struct view middle = view_of(bodies, &contact, batch->geometry, &place.pair[1]);
+    struct view middle = view_of(bodies, place.now, 0.5 * step, &contact, batch->geometry, &place.pair[1]);
     struct scree_yield *yield = place.yield;
     struct vec zero = {0.0, 0.0, 0.0};
     if (contacts->rule[batch->rule].friction < 0) {
@@ -480,9 +515,9 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
                   const struct scree_bodies *bodies_now, struct place place, double step, struct outcome *o) {
     const struct scree_batch *batch = place.batch;
     struct scree_contact named = scree_contact_at(batch, place.index), *contact = &named;
-    struct view now = o->now = view_of(bodies_now, contact, batch->geometry, &place.pair[0]);
+    struct view now = o->now = view_of(bodies_now, bodies_now, 0.0, contact, batch->geometry, &place.pair[0]);
     if (idle(bodies, place, now.overlap)) return 0;
-    struct view middle = view_of(bodies, contact, batch->geometry, &place.pair[1]);
+    struct view middle = view_of(bodies, bodies_now, 0.5 * step, contact, batch->geometry, &place.pair[1]);
     /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step
      * counts. */
     if (vec_dot(now.normal, middle.normal) < 0.9 || middle.overlap < 0.5 * SCREE_OUTSIDE) middle = now;
@@ -552,22 +587,47 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
         scree_steepness(vec_dot(impulse, middle), batch->slope, a->inverse_mass + b->inverse_mass);
 }
 
-uint32_t scree_impel_lanes(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                           const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
-                           double step, struct scree_yield *yield, struct scree_moments *moments) {
+/* Those of a block that go several at once; the others become lanes `base` … of a window. Returns how many. */
+static int impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                       const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
+                       double step, int base, int *lane, struct scree_yield *yield, struct scree_moments *moments) {
     const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
-    struct pair_of_boxes pair[2] = {{.ball = -1}, {.ball = -1}};
+    int left = 0;
     yield->silent = 0;
-    uint32_t left = loop->impel(contacts, now, batch, first, count, step, yield, moments);
-    int rolls = contacts->rule[batch->rule].rolling >= 0;
-    for (int lane = 0; lane < count && (rolls || left >> lane); lane++) {
-        struct place place = {batch, first + lane, lane, yield, moments, pair};
-        if (left >> lane & 1)
-            impel(contacts, bodies, now, place, step);
-        else if (rolls)
-            roll_on(contacts, bodies, place, step);
-    }
+    uint32_t done = loop->hold_steady(contacts, bodies, batch, first, count, step, yield, moments);
+    if (!done) done = loop->impel(contacts, now, batch, first, count, step, yield, moments);
+    for (int k = 0; k < count; k++)
+        if (!(done >> k & 1)) lane[left++] = base + k;
     return left;
+}
+
+/* Where a lane of a window is. */
+static struct place place_of(const struct scree_batch *batch, const struct scree_bodies *now, int first, int lane,
+                             struct scree_yield *yield, struct scree_moments *moments, struct pair_of_boxes *pair) {
+    int block = lane / SCREE_LANES;
+    return (struct place){batch, now, first + lane, lane % SCREE_LANES, &yield[block], &moments[block], pair};
+}
+
+void scree_impel_window(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                        const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
+                        double step, struct scree_yield *yield, struct scree_moments *moments, uint32_t *odd) {
+    int lane[SCREE_WINDOW * SCREE_LANES], left = 0, rolls = contacts->rule[batch->rule].rolling >= 0;
+    struct pair_of_boxes pair[2] = {{.ball = -1}, {.ball = -1}};
+    for (int from = 0, block = 0; from < count; from += SCREE_LANES, block++) {
+        int here = count - from < SCREE_LANES ? count - from : SCREE_LANES;
+        odd[block] = 0;
+        left += impel_block(contacts, bodies, now, batch, first + from, here, step, from, &lane[left], &yield[block],
+                            &moments[block]);
+    }
+    const struct scree_loop *loop = left <= 4 ? contacts->loop_for_few : contacts->loop;
+    if (left) left = loop->impel_few(contacts, now, batch, first, lane, left, step, yield, moments);
+    for (int i = 0; i < left; i++) {
+        odd[lane[i] / SCREE_LANES] |= (uint32_t)1 << lane[i] % SCREE_LANES;
+        impel(contacts, bodies, now, place_of(batch, now, first, lane[i], yield, moments, pair), step);
+    }
+    for (int k = 0; rolls && k < count; k++)
+        if (!(odd[k / SCREE_LANES] >> k % SCREE_LANES & 1))
+            roll_on(contacts, bodies, place_of(batch, now, first, k, yield, moments, pair), step);
 }
 
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps) {

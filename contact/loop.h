@@ -21,15 +21,21 @@ struct scree_loop {
     /* Bodies from … to - 1, free or frozen balls, go on (scree_departure): those with lent[k] == wanted; NULL: all. */
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
                 const unsigned char *lent, int wanted);
-    /* A block of contacts through a step by pair impulses (smooth.c), from what `now` shows of its start. Returns bits
-     * of the lanes that are left to within.c, and leaves them alone. */
+    /* A block of contacts through a step by pair impulses: those that are steady (steady.c), from where `bodies` are in
+     * its middle. Returns bits of their lanes; leaves the others alone. */
+    uint32_t (*hold_steady)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                            const struct scree_batch *batch, int first, int count, double step,
+                            struct scree_yield *yield, struct scree_moments *moments);
+    /* Those that touch all through the step and nothing happens to (smooth.c), from what `now` shows of its start.
+     * Likewise. */
     uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                       const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
                       struct scree_moments *moments);
-    /* The same for contacts first + lane[0 … count - 1] of a batch. */
-    uint32_t (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                          const struct scree_batch *batch, int first, const int *lane, int count, double step,
-                          struct scree_yield *yield, struct scree_moments *moments);
+    /* The others, whatever happens to them: contacts first + lane[0 … count - 1] of a batch, of so many blocks that
+     * there is a yield for each. Returns how many of them are left to within.c, and which: the first ones of `lane`. */
+    int (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                     const struct scree_batch *batch, int first, int *lane, int count, double step,
+                     struct scree_yield *yield, struct scree_moments *moments);
     /* Impulses of a block of them and their first moments into the bodies. Returns whether one is deeper or steeper
      * than the tally knows. */
     int (*add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
@@ -66,12 +72,15 @@ int scree_bodies_in_cache(void);
 #define SCREE_PART(part)            SCREE_NAME_PART(SCREE_LOOP, part)
 uint32_t SCREE_PART(judge)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                            const struct scree_contact *pair, int count);
+uint32_t SCREE_PART(hold_steady)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                 const struct scree_batch *batch, int first, int count, double step,
+                                 struct scree_yield *yield, struct scree_moments *moments);
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments);
-uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                               const struct scree_batch *batch, int first, const int *lane, int count, double step,
-                               struct scree_yield *yield, struct scree_moments *moments);
+int SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                          const struct scree_batch *batch, int first, int *lane, int count, double step,
+                          struct scree_yield *yield, struct scree_moments *moments);
 int SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                        struct scree_yield *yield, struct scree_moments *moments, const struct scree_tally *tally);
 int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],

@@ -148,8 +148,8 @@ static inline void fetch_state(const unsigned char *slides, int first, const int
 }
 
 /* What is kept of the contacts. */
-static void fetch_kept(const struct scree_batch *batch, int first, const int *index, int count, int turns,
-                       struct meeting *to, struct course *c, struct lane_constants *m) {
+static inline void fetch_kept(const struct scree_batch *batch, int first, const int *index, int count, int turns,
+                              struct meeting *to, struct course *c, struct lane_constants *m) {
     for (int axis = 0; axis < 3; axis++) {
         fetch_column(batch->past[axis], first, index, count, to->last[axis]);
         fetch_column(batch->past[SCREE_PAST_STEP + axis], first, index, count, to->before[axis]);

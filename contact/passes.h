@@ -182,19 +182,6 @@ static void end_sliders(struct block *b, int count, double *const *kept) {
     }
 }
 
-/* ---- stretches ---- */
-
-/* A stretch that was kept a step ago, as bodies have turned since. */
-static SCREE_INLINE struct vec turned_stretch(const struct block *b, int k, double *const *kept, double step) {
-    return scree_turned(get_kept(kept, k), normal_at(b, k), spins_at(b, k, 0), step);
-}
-
-/* Of contacts that aren't of two balls. */
-static void turn_stretches(const struct block *b, int count, double step, double *const *kept) {
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) put_kept(kept, k, turned_stretch(b, k, kept, step));
-}
-
 /* ---- rolling ---- */
 
 /* Columns for the rolling laws: lever x angular velocity of the ball against the host, m/s. */

@@ -356,10 +356,11 @@ static void keep_all(const struct scree_batch *batch, struct smooth_block *s, in
         if (!(s->x.c.odd[k] > 0.0)) slides[k] = s->x.c.slides[k] > 0.0;
 }
 
-/* The same of one contact here or there, whose yield goes to another lane. */
+/* The same of one contact here or there, whose yield goes to a lane of one of several blocks. */
 static void hand_over(const struct scree_batch *batch, struct smooth_block *s, int i, int index, int lane, int turns,
                       struct scree_yield *from, struct scree_moments *moments_from, struct scree_yield *yield,
                       struct scree_moments *moments) {
+    yield += lane / SCREE_LANES, moments += lane / SCREE_LANES, lane %= SCREE_LANES;
     for (int axis = 0; axis < 3; axis++) {
         yield->impulse[axis][lane] = from->impulse[axis][i];
         moments->impulse[axis][lane] = moments_from->impulse[axis][i];
@@ -409,6 +410,7 @@ static int far_apart(const struct scree_bodies *now, const struct scree_batch *b
 
 static void hand_nothing(struct scree_yield *yield, struct scree_moments *moments, int lane) {
     struct vec zero = {0.0, 0.0, 0.0};
+    yield += lane / SCREE_LANES, moments += lane / SCREE_LANES, lane %= SCREE_LANES;
     put(yield->impulse, lane, zero);
     put(yield->turn_ball, lane, zero);
     put(yield->turn_host, lane, zero);
@@ -452,36 +454,6 @@ static struct smooth_work work_on(const struct scree_contacts *contacts, const s
     return (struct smooth_work){now, batch, pass, {balls, pass.rubs, sizes}, first};
 }
 
-/* Some of the lanes, drawn together, past whatever happens to them. Returns those that are left to within.c. */
-uint32_t SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                               const struct scree_batch *batch, int first, const int *lane, int count, double step,
-                               struct scree_yield *yield, struct scree_moments *moments) {
-    const struct smooth_work work = work_on(contacts, now, batch, first, step), *w = &work;
-    struct smooth_block s;
-    struct scree_yield few;
-    struct scree_moments few_moments;
-    int index[SCREE_LANES] = {0}, begins[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0;
-    uint32_t odd = 0;
-    for (int i = 0; i < count; i++) index[i] = w->first + lane[i];
-    begin_smooth(w, index, count, &s);
-    begin_course(&s.x.c);
-    SMOOTH_LOOP(s.flight[k] = s.x.c.d[k] + (step * s.x.c.u[k] + 0.5 * step * step * s.x.m.closing[k]);)
-    begin_lanes(count, step, turns, s.flight, &s.x);
-    for (int k = 0; k < padded(count); k++) begins[k] = s.x.c.d[k] == 0.0 && s.x.c.rest[k] > 0.0;
-    meet_lanes(&w->pass, count, begins, &s.x);
-    for (int k = 0; k < count; k++) touching |= s.x.c.rest[k] > 0.0;
-    if (touching) march_on(&w->pass, count, &s.x);
-    recall_lanes(&w->pass, &s.x.m, count, 0, &s.x.c);
-    yield_smooth(&s, count, w->kind, w->batch->slope, &few, &few_moments);
-    book_losses(&w->pass, &s, count, &few);
-    for (int i = 0; i < count; i++)
-        if (s.x.c.odd[i] > 0.0)
-            odd |= (uint32_t)1 << lane[i];
-        else
-            hand_over(w->batch, &s, i, index[i], lane[i], turns, &few, &few_moments, yield, moments);
-    return odd;
-}
-
 /* One step of Runge-Kutta of a lane; `anew`: the first one. */
 static SCREE_INLINE void accept_straight(const struct smooth_pass *pass, double by_control, int rubs, int changes,
                                          int anew, int k, struct march *x) {
@@ -502,13 +474,13 @@ static void go_straight(const struct smooth_pass *pass, int count, int pieces_le
 #undef ACCEPT
 }
 
-/* All lanes straight through the step. Those to which something happens in it, or may, are left as they were: their
- * number, and which they are. */
-static int impel_straight(const struct smooth_work *w, int count, int *lane, struct scree_yield *yield,
-                          struct scree_moments *moments) {
+/* All lanes straight through the step. Those to which something happens in it, or may, are left as they were. Returns
+ * bits of the others. */
+static uint32_t go_all_straight(const struct smooth_work *w, int count, struct scree_yield *yield,
+                                struct scree_moments *moments) {
     const struct smooth_pass *pass = &w->pass;
     struct smooth_block s;
-    int left = 0;
+    uint32_t done = 0;
     begin_smooth(w, NULL, count, &s);
     SMOOTH_LOOP({
         s.x.c.odd[k] = s.at.more[3][k] > 0.0 ? 1.0 : s.x.c.odd[k];
@@ -518,41 +490,84 @@ static int impel_straight(const struct smooth_work *w, int count, int *lane, str
     yield_smooth(&s, count, w->kind, w->batch->slope, yield, moments);
     book_losses(pass, &s, count, yield);
     keep_all(w->batch, &s, w->first, count, pass->rubs, yield);
-    for (int k = 0; k < count; k++)
-        if (s.x.c.odd[k] > 0.0) lane[left++] = k;
-    return left;
+    for (int k = 0; k < count; k++) done |= (uint32_t) !(s.x.c.odd[k] > 0.0) << k;
+    return done;
 }
 
-/* Those of the lanes to which something can happen; the others have no yield, or are left to within.c (`odd`). */
-static int sort_out(const struct smooth_work *w, int *lane, int count, struct scree_yield *yield,
-                    struct scree_moments *moments, uint32_t *odd) {
-    int acting = 0;
-    for (int i = 0; i < count; i++)
-        if (!is_plain(w->now, &w->batch->ends[w->first + lane[i]]))
-            *odd |= (uint32_t)1 << lane[i];
-        else if (far_apart(w->now, w->batch, w->first + lane[i]))
-            hand_nothing(yield, moments, lane[i]);
-        else
-            lane[acting++] = lane[i];
-    return acting;
+/* Whether contacts are of two spheres, or of one with a plane, under laws that have their loops. */
+static int are_smooth(const struct smooth_work *w) {
+    return w->pass.normal && (w->kind.balls || w->batch->geometry == SCREE_BALL_PLANE);
 }
 
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            const struct scree_batch *batch, int first, int count, double step,
                            struct scree_yield *yield, struct scree_moments *moments) {
     const struct smooth_work work = work_on(contacts, now, batch, first, step);
-    int lane[SCREE_LANES], lanes = count;
-    uint32_t odd = 0;
-    if (!work.pass.normal || !(work.kind.balls || batch->geometry == SCREE_BALL_PLANE)) return ~(uint32_t)0;
-    if (2 * count_touched(batch, first, count) >= count &&
-        is_plain(now, &batch->ends[first])) /* as the others, mostly */
-        lanes = impel_straight(&work, count, lane, yield, moments);
-    else
-        for (int k = 0; k < count; k++) lane[k] = k;
-    int acting = sort_out(&work, lane, lanes, yield, moments, &odd);
-    if (!acting) return odd;
-    const struct scree_loop *loop = acting <= 4 ? contacts->loop_for_few : contacts->loop;
-    return odd | loop->impel_few(contacts, now, batch, first, lane, acting, step, yield, moments);
+    int most_touched = 2 * count_touched(batch, first, count) >= count;
+    if (!are_smooth(&work) || !most_touched || !is_plain(now, &batch->ends[first])) /* as the others, mostly */
+        return 0;
+    return go_all_straight(&work, count, yield, moments);
+}
+
+/* ---- some of them ---- */
+
+/* Lanes of several blocks, as many as one has, drawn together, past whatever happens to them. Those that are left to
+ * within.c become the first ones of `left`; returns how many there are. */
+static int march_some(const struct smooth_work *w, const int *lane, int count, int *left, struct scree_yield *yield,
+                      struct scree_moments *moments) {
+    struct smooth_block s;
+    struct scree_yield few;
+    struct scree_moments few_moments;
+    int index[SCREE_LANES] = {0}, begins[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0, odd = 0;
+    double step = w->pass.step;
+    for (int i = 0; i < count; i++) index[i] = w->first + lane[i];
+    begin_smooth(w, index, count, &s);
+    begin_course(&s.x.c);
+    SMOOTH_LOOP(s.flight[k] = s.x.c.d[k] + (step * s.x.c.u[k] + 0.5 * step * step * s.x.m.closing[k]);)
+    begin_lanes(count, step, turns, s.flight, &s.x);
+    for (int k = 0; k < padded(count); k++) begins[k] = s.x.c.d[k] == 0.0 && s.x.c.rest[k] > 0.0;
+    meet_lanes(&w->pass, count, begins, &s.x);
+    for (int k = 0; k < count; k++) touching |= s.x.c.rest[k] > 0.0;
+    if (touching) march_on(&w->pass, count, &s.x);
+    recall_lanes(&w->pass, &s.x.m, count, 0, &s.x.c);
+    yield_smooth(&s, count, w->kind, w->batch->slope, &few, &few_moments);
+    book_losses(&w->pass, &s, count, &few);
+    for (int i = 0; i < count; i++)
+        if (s.x.c.odd[i] > 0.0)
+            left[odd++] = lane[i];
+        else
+            hand_over(w->batch, &s, i, index[i], lane[i], turns, &few, &few_moments, yield, moments);
+    return odd;
+}
+
+/* Of lanes those to which something can happen, into `acting`; the others have no yield, or are left to within.c: the
+ * first ones of `lane`. Returns how many these are. */
+static int sort_out(const struct smooth_work *w, int *lane, int count, int *acting, int *acts,
+                    struct scree_yield *yield, struct scree_moments *moments) {
+    int odd = 0;
+    *acts = 0;
+    for (int i = 0; i < count; i++)
+        if (!is_plain(w->now, &w->batch->ends[w->first + lane[i]]))
+            lane[odd++] = lane[i];
+        else if (far_apart(w->now, w->batch, w->first + lane[i]))
+            hand_nothing(yield, moments, lane[i]);
+        else
+            acting[(*acts)++] = lane[i];
+    return odd;
+}
+
+int SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                          const struct scree_batch *batch, int first, int *lane, int count, double step,
+                          struct scree_yield *yield, struct scree_moments *moments) {
+    const struct smooth_work work = work_on(contacts, now, batch, first, step);
+    int acting[SCREE_WINDOW * SCREE_LANES], acts;
+    if (!are_smooth(&work)) return count;
+    int odd = sort_out(&work, lane, count, acting, &acts, yield, moments);
+    for (int done = 0, some; done < acts; done += some) {
+        some = acts - done < SCREE_LANES ? acts - done : SCREE_LANES;
+        odd += march_some(&work, &acting[done], some, &lane[odd], yield, moments);
+    }
+    return odd;
 }
 
 #ifdef __AVX__
