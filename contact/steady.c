@@ -214,13 +214,16 @@ static SCREE_INLINE void yield_steady(struct steady *s, int k, const struct stea
     struct vec bend = vec_sub(change, before);
     double square = vec_norm2(j), stiff = step * step * give * 1.5 * b->reversible[k]; /* (w h)^2 d */
     double swing = most * stiff, damped = step * give * s->damping[k];
-    int steady = (d > 0.0) & (b->force[k] > 0.0) & (swing > 0.0) & (vec_norm2(change) * d <= most * swing * square) &
-                 (vec_norm2(bend) * (d * d) <= swing * swing * square) & is_tame(damped, stiff / d);
+    double changes = vec_norm2(change) * d, bends = vec_norm2(bend) * (d * d);
+    int tame = is_tame(damped, stiff / d);
+    int steady = (d > 0.0) & (b->force[k] > 0.0) & (swing > 0.0) & (changes <= most * swing * square) &
+                 (bends <= swing * swing * square) & tame;
     double straight = vec_dot(bend, n);
     struct vec aside = vec_axpy(bend, -straight, n);
     if (rubs) {
         double aside_give = 3.5 * give, dragged = step * aside_give * s->drag[k]; /* of balls */
-        steady &= (s->is[k] > 0.0) & is_tame(dragged, step * step * aside_give * s->stiff[k]);
+        tame = is_tame(dragged, step * step * aside_give * s->stiff[k]);
+        steady &= (s->is[k] > 0.0) & tame;
         aside = vec_scale(relaxed(dragged), aside);
     }
     bend = vec_axpy(aside, straight * relaxed(damped), n);
