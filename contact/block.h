@@ -411,6 +411,11 @@ static inline void find_fourth_roots(struct block *b, int count) {
     for (int k = 0; k < padded(count); k++) b->fourth[k] = sqrt(b->root[k]);
 }
 
+/* The roots of an overlap, as laws take them. */
+static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
+    return (struct scree_roots){1, b->root[k], b->fourth[k]};
+}
+
 /* What is asked for with a block. */
 struct wants {
     double step, most; /* s; overlap that events count from, as share of what is tolerable */

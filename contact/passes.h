@@ -25,10 +25,6 @@ static SCREE_INLINE double jump_of(const struct scree_normal_law *normal, const 
     return (share - touching) * normal->jump(constants, pair, held);
 }
 
-static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
-    return (struct scree_roots){1, b->root[k], b->fourth[k]};
-}
-
 /* One pass per normal law, from its inline function. A dashpot acts at full strength from the first touch on, so a step
  * in which bodies meet or part gets the share of it that they touch: without this the scheme is of first order. The
  * spring is left as it is: there the mid-step rule is of second order already, and reversible. What touches is looked

@@ -47,13 +47,9 @@ struct steady_work {
 /* A step hears of a law once: it has one formula, and no memory; and no force beyond the touch. */
 #define STEADY_LAW(law) (!(law).reach && !(law).memory && !(law).bends && (law).turns_smoothly)
 
-static SCREE_INLINE struct scree_roots roots_at(const struct block *b, int k) {
-    return (struct scree_roots){1, b->root[k], b->fourth[k]};
-}
-
 /* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness. In the densest packing,
  * twelve neighbours each, with friction as stiff and as damped as the normal law, motion grows from 2 z w h = 0.64 on
- * at w h = 0.5, from 0.92 on at 0.3; without `relaxed` from about 0.1 on. */
+ * at w h = 0.5, from 0.92 on at 0.3; without `relaxed`, by the modes of that packing, from about 0.1 on. */
 static SCREE_INLINE int is_tame(double damped, double stiff) { return (damped <= 0.5) & (stiff <= 0.2); }
 
 /* By what the force in the middle differs from what the last two steps foretell, velocities there differ, too, and

@@ -155,8 +155,7 @@ static void test_row(void) {
         {"normal = { law = \"hertz\", stiffness = 1e7 }", 3162, 3.4e-3, 8},
         {"normal = { law = \"kuwabara-kono\", stiffness = 1e7, relaxation = 2e-4 }", 3162, 4.7e-4, 8},
         {"normal = { law = \"tsuji\", stiffness = 1e7, restitution = 0.6 }\nfriction = { law = \"coulomb\", static = "
-         "0.5, "
-         "kinetic = 0.5, stiffness = 8e4, damping = 5 }",
+         "0.5, kinetic = 0.5, stiffness = 8e4, damping = 5 }",
          3162, 1.1e-3, 4},
     };
     const double speed = 0.01; /* m/s */
@@ -218,8 +217,7 @@ static double motion_of(scree_scene *scene) {
 }
 
 /* Up to where contacts count as tame (2 z w h = 0.5; (w h)^2 = 0.2, as Hertz's law has it: two thirds of that are
- * linear springs') motion doesn't grow, in however many steps; with
- * damping all but the drift of the whole and the spins that nothing brakes ends. Beyond, none is steady. */
+ * linear springs') motion doesn't grow. Beyond, none is steady. */
 static void test_crystal(void) {
     const double frequency = 2582, mass = 0.015; /* 1/s, kg, of a pair */
     for (int k = 0; k < 3 * 3 * 2; k++) {
