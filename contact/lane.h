@@ -87,7 +87,7 @@ struct rk_step {
     /* Until a slider that holds breaks loose, N, or one that slides holds, N or, of a bare spring, m/s; 1: there is
      * none. */
     double holds[2][SCREE_LANES];
-    double turns[2][SCREE_LANES]; /* until approach turns into parting: the closing speed, m/s */
+    double turns[2][SCREE_LANES]; /* the closing speed, m/s: approach and parting change where it passes zero */
     double pulls[2][SCREE_LANES]; /* until the contact pulls, where friction ends, N */
     double bends[SCREE_LANES];    /* 1: the normal law changes its formula on the way */
     double kept[2][SCREE_LANES];  /* what it remembers at the end */
@@ -255,8 +255,9 @@ static SCREE_INLINE struct scree_pair_constants friction_pair_of(const struct la
         {m->pair[SCREE_PAIR_FRICTION][k], m->pair[SCREE_PAIR_FRICTION + 1][k], 0.0, 0.0}};
 }
 
+/* A dashpot that still pushes apart what doesn't touch any more, in a step beyond its end, bears no friction. */
 static SCREE_INLINE struct scree_sliding sliding_at(const struct stage *at) {
-    return (struct scree_sliding){.normal = at->normal > 0.0 ? at->normal : 0.0,
+    return (struct scree_sliding){.normal = ((at->normal > 0.0) & (at->d >= 0.0)) ? at->normal : 0.0,
                                   .overlap = at->d,
                                   .closing = at->u,
                                   .velocity = at->slip,

@@ -1,5 +1,5 @@
 /* Contacts of smooth.c on their way through a step: lanes go on by steps of Runge and Kutta, each of its own length.
- * What happens in one (contact ends, a slider breaks loose or holds again, approach turns into parting) is located;
+ * What happens in one (contact ends, a slider breaks loose or holds again, approach and parting change) is located;
  * lanes to which something happens wait until nothing else goes on in their block, and go past it together. */
 #ifndef SCREE_CONTACT_MARCH_H
 #define SCREE_CONTACT_MARCH_H
@@ -156,9 +156,9 @@ static void meet_lanes(const struct smooth_pass *pass, int count, const int *beg
         if (begins[k] && x->to.holds[1][k] < 0.0) x->c.slides[k] = 1.0;
 }
 
-/* What happens in a step of Runge-Kutta: nothing; it is too long; approach turns into parting where the law isn't
- * smooth there; a contact with friction begins to press, or to pull; a slider breaks loose, or holds again; contact
- * ends; or what is left to within.c. */
+/* What happens in a step of Runge-Kutta: nothing; it is too long; approach turns into parting, or parting into
+ * approach, where the law isn't smooth there; a contact with friction begins to press, or to pull; a slider breaks
+ * loose, or holds again; contact ends; or what is left to within.c. */
 enum { NOTHING, COARSE, TURNS, PRESSES, PULLS, SLIPS, ENDS, ODD };
 
 /* So many events of a contact are gone past in a step, what has more is left to within.c; so many tries find one. */
@@ -227,11 +227,24 @@ static int is_controlled(const struct smooth_pass *pass) { return pass->rubs && 
 /* What may have happened in the step of a lane; each 1 if it has, else 0. `odd`: the overlap isn't one any more, or
  * the normal law has another formula. */
 struct seen {
-    double coarse, dips, turns, presses, pulls, slips, ends, odd;
+    double coarse, dips, turns, presses, pulls, slips, ends, leaves, odd;
 };
+
+/* Whether bodies that part first and approach at the end have left each other in between: whether the parabola with
+ * their speeds falls below an overlap of zero. (Where the law is cut they may have, too: it pulls then for so long.) */
+static SCREE_INLINE double leaves_lane(const struct smooth_pass *pass, int k, const struct march *x) {
+    double d = x->c.d[k], u = x->c.u[k], after = x->to.u[k], uncut = pass->cut ? 0.0 : 1.0;
+    return ((u < 0.0) & (after > 0.0) & (2.0 * d * (after - u) < u * u * x->to.time[k])) ? uncut : 0.0;
+}
 
 /* From what is positive before an event to what is negative behind it. */
 static SCREE_INLINE int passes(double before, double after) { return (after < 0.0) & (before > -1e-10 * after); }
+
+/* Approach turns into parting, or the other way round: positive before, negative behind. */
+static SCREE_INLINE double turning(const struct march *x, int k, int end) {
+    double u = x->to.turns[end][k];
+    return x->c.u[k] < 0.0 ? -u : u;
+}
 
 static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, int rubs, int changes, double by_control,
                                          int k, const struct march *x) {
@@ -240,11 +253,13 @@ static SCREE_INLINE struct seen see_lane(const struct smooth_pass *pass, int rub
     double coarse = rubs ? by_control * to->coarse[k] : 0.0;
     struct seen seen = {.coarse = x->m.grid[k] > 0.75 * pass->step ? coarse : 0.0,
                         .ends = to->lasts[1][k] < 0.0 ? 1.0 : 0.0,
+                        .leaves = leaves_lane(pass, k, x),
                         .odd = c->d[k] >= 0.0 ? 0.0 : 1.0};
     if (changes) {
-        double moves = c->u[k] * to->time[k] > 1e-12 * c->d[k] ? 1.0 : 0.0; /* rest isn't a turn */
-        double turns = passes(to->turns[0][k], to->turns[1][k]) ? moves : 0.0;
-        seen.turns = pass->turns ? turns : 0.0;
+        double moves = fabs(c->u[k]) * to->time[k] > 1e-12 * c->d[k] ? 1.0 : 0.0; /* rest isn't a turn */
+        double turns = passes(turning(x, k, 0), turning(x, k, 1)) ? moves : 0.0;
+        double before = c->u[k] < 0.0 ? 1.0 - seen.ends : 1.0; /* what parts ends before it approaches */
+        seen.turns = pass->turns ? before * turns : 0.0;
         seen.odd = to->bends[k] > 0.0 ? 1.0 : seen.odd;
     }
     if (rubs) {
@@ -413,7 +428,7 @@ static void go(const struct smooth_pass *pass, int count, const int *ends, struc
 
 /* What is positive before an event and negative behind it, at the begin (0) or the end (1) of the step. */
 static double still(const struct march *x, int k, int event, int end) {
-    if (event == TURNS) return x->to.turns[end][k];
+    if (event == TURNS) return turning(x, k, end);
     if (event == PULLS) return x->to.pulls[end][k];
     if (event == PRESSES) return -x->to.pulls[end][k];
     return event == SLIPS ? x->to.holds[end][k] : x->to.lasts[end][k];
@@ -587,10 +602,11 @@ static int lanes_near(const struct smooth_pass *pass, int count, int side, struc
     return nears;
 }
 
-/* In a step that ends with an event, what happens before: sliding, or pressing, may go on until there is no contact any
- * more; a slider may slip before the law, or what it bears, changes its formula. */
+/* In a step that ends with an event, what happens before: parting, sliding, or pressing, may go on until there is no
+ * contact any more; a slider may slip before the law, or what it bears, changes its formula. */
 static double what_first(const struct smooth_pass *pass, int k, double event, const struct march *x) {
     int until_end = pass->rubs && (event == PULLS || (event == SLIPS && x->c.slides[k] > 0.0));
+    until_end |= event == TURNS && x->c.u[k] < 0.0;
     if (until_end && x->to.lasts[1][k] <= 0.0) return ENDS;
     return (event == TURNS || event == PRESSES) && see_lane(pass, pass->rubs, 0, 0.0, k, x).slips > 0.0 ? SLIPS
                                                                                                         : NOTHING;
@@ -620,6 +636,21 @@ static void go_past(const struct smooth_pass *pass, int count, const double *eve
     for (int k = 0; k < padded(count); k++) x->c.events[k] += own[k] != NOTHING;
 }
 
+/* Steps in which bodies leave each other and touch again end where they are farthest apart: the end of their contact is
+ * to be seen there. */
+static void turn_back(const struct smooth_pass *pass, int count, struct march *x) {
+    double any = 0.0;
+    _Pragma("omp simd reduction(max : any)")
+    for (int k = 0; k < padded(count); k++) {
+        double leaves = leaves_lane(pass, k, x);
+        any = leaves > any ? leaves : any;
+    }
+    if (!(any > 0.0)) return;
+    for (int k = 0; k < padded(count); k++)
+        if (leaves_lane(pass, k, x) > 0.0) x->to.time[k] *= x->c.u[k] / (x->c.u[k] - x->to.u[k]);
+    go(pass, count, NULL, x);
+}
+
 /* One step of all lanes. Where something happens, lanes wait until nothing else goes on any more: then they all go past
  * it. */
 static void advance(const struct smooth_pass *pass, int count, struct march *x) {
@@ -627,6 +658,7 @@ static void advance(const struct smooth_pass *pass, int count, struct march *x) 
     int goes_on = 0;
     stride_out(count, x);
     go(pass, count, NULL, x);
+    if (!pass->cut) turn_back(pass, count, x);
     int any = look(pass, count, x, event);
     accept(pass, count, event, x);
     if (!any) return;

@@ -458,7 +458,8 @@ static struct smooth_work work_on(const struct scree_contacts *contacts, const s
 static SCREE_INLINE void accept_straight(const struct smooth_pass *pass, double by_control, int rubs, int changes,
                                          int anew, int k, struct march *x) {
     struct seen seen = see_lane(pass, rubs, changes, by_control, k, x);
-    double some = seen.coarse + seen.dips + seen.turns + seen.presses + seen.pulls + seen.slips + seen.ends + seen.odd;
+    double some = seen.coarse + seen.dips + seen.turns + seen.presses + seen.pulls + seen.slips;
+    some += seen.ends + seen.leaves + seen.odd;
     accept_lane(rubs, changes, 1, anew, k, x);
     x->c.odd[k] = some > 0.0 ? 1.0 : x->c.odd[k];
 }

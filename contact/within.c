@@ -43,9 +43,10 @@ static double lasting(const struct scree_pair_motion *p, const struct scree_pair
     return load.normal / (load.damping + 1e-6 / (p->normal_give * p->step));
 }
 
+/* A dashpot that still pushes apart what doesn't touch any more, in a step beyond its end, bears no friction. */
 static struct scree_sliding sliding_of(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
                                        double normal) {
-    double load = normal * p->borne - p->relief;
+    double load = at->overlap + p->reach < 0.0 ? 0.0 : normal * p->borne - p->relief;
     struct scree_sliding sliding = {.normal = load > 0.0 ? load : 0.0, .overlap = at->overlap};
     double closing = closing_of(p, at);
     sliding.closing = closing / p->muffled;
@@ -476,10 +477,16 @@ static double pulling(const struct scree_pair_motion *p, const struct scree_pair
     return -load.normal;
 }
 
+/* How fast bodies go on approaching, or parting, as they did at the begin of the piece, m/s. */
+static double turning(const struct scree_pair_motion *p, const struct scree_pair_instant *at,
+                      const struct scree_pair_instant *from) {
+    return closing_of(p, from) < 0.0 ? -closing_of(p, at) : closing_of(p, at);
+}
+
 /* Positive before an event; `from` as in gripping. */
 static double still(const struct scree_pair_motion *p, enum event event, const struct scree_pair_instant *at,
                     const struct scree_pair_instant *from) {
-    return event == TURNS     ? closing_of(p, at)
+    return event == TURNS     ? turning(p, at, from ? from : at)
            : event == PRESSES ? pulling(p, at)
            : event == ENDS    ? lasting(p, at)
            : event == SLIPS   ? gripping(p, at, from)
@@ -601,6 +608,19 @@ static void cross(const struct scree_pair_motion *p, struct scree_pair_instant *
     if (at->sliding > 0.0 ? bears < holds : bears > holds) at->sliding = at->sliding > 0.0 ? 0.0 : 1.0;
 }
 
+/* Where bodies that part first and approach at the end have left each other within the piece: it is shortened to where
+ * they are farthest apart by the parabola with their speeds, so that the end of their contact is to be seen there.
+ * Returns whether they have. (Where the law is cut they may have, too: it pulls then for so long.) */
+static int turn_back(const struct scree_pair_motion *p, const struct scree_pair_instant *from, struct nearness near,
+                     double *time, struct scree_pair_instant *to, struct scree_pair_yield *yield) {
+    double before = closing_of(p, from), after = closing_of(p, to);
+    int leaves = before < 0.0 && after > 0.0 && 2.0 * from->overlap * (after - before) < before * before * *time;
+    if (!leaves || p->normal->cut || p->normal->reach) return 0;
+    *time *= before / (before - after);
+    *to = go(p, from, near, *time, yield);
+    return 1;
+}
+
 static void add(struct scree_pair_yield *sum, const struct scree_pair_yield *part, double left) {
     sum->moment = vec_add(sum->moment, vec_axpy(part->moment, left, part->impulse));
     sum->impulse = vec_add(sum->impulse, part->impulse);
@@ -637,17 +657,17 @@ static double touch(const struct scree_pair_motion *p, struct scree_pair_instant
             continue;
         }
         struct scree_pair_instant to = go(p, at, near, piece, &part);
-        int parted = 0;
+        int parted = turn_back(p, at, near, &piece, &to, &part);
         for (; part.dips && !part.below && piece > p->step / SCREE_FINEST && !(gripping(p, at, NULL) < 0.0);
              parted = 1) {
             piece *= 0.5;
             to = go(p, at, near, piece, &part);
         }
-        double closing = closing_of(p, at);
         /* Where nothing moves to speak of, no force changes either. */
         int turns =
-            p->turns && !turned && closing > 0.0 && closing_of(p, &to) < 0.0 && closing * piece > 1e-12 * at->overlap;
+            p->turns && !turned && turning(p, &to, at) < 0.0 && turning(p, at, at) * piece > 1e-12 * at->overlap;
         if (turns) shorten(p, TURNS, at, near, &piece, &to, &part);
+        if (turns && closing_of(p, at) < 0.0 && lasting(p, &to) < 0.0) turns = 0; /* what parts ends before */
         int bent = shorten_to_bend(p, at, near, &piece, &to, &part);
         if (bent) turns = 0;
         int presses = shorten_to_press(p, at, near, &piece, &to, &part);
