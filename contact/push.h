@@ -138,6 +138,22 @@ static SCREE_INLINE void make_kicks(const struct block *b, int count, double ste
     }
 }
 
+#ifdef __AVX__
+/* Impulses and angular impulses of two balls that turn by the same lever, as columns. */
+static SCREE_INLINE void kick_evenly(const struct block *b, int lane, double step, lane_row r[8]) {
+    const lane_row none = {0.0};
+    lane_row n[3], force = *(const lane_row *)&b->force[lane], lever = *(const lane_row *)&b->lever[0][lane];
+    for (int i = 0; i < 3; i++) {
+        n[i] = *(const lane_row *)&b->n[i][lane];
+        r[i] = (none + step) * (force * n[i] + *(const lane_row *)&b->friction[i][lane]);
+    }
+    r[3] = r[7] = none;
+    r[4] = lever * (n[2] * r[1] - n[1] * r[2]);
+    r[5] = lever * (n[0] * r[2] - n[2] * r[0]);
+    r[6] = lever * (n[1] * r[0] - n[0] * r[1]);
+}
+#endif
+
 /* Add the kicks of a block to its bodies. `hosts`: partners are pushed too; else they are frozen, and several slabs
  * have them in common. */
 #if defined __AVX512F__
@@ -166,20 +182,6 @@ static SCREE_INLINE wide_bits pair_up(const struct ends *ends, int lane, wide_bi
     *(wide_bits *)pairs->from = first ^ ((first ^ none) & again);
     *(wide_bits *)pairs->again = again;
     return turned & INT64_MIN;
-}
-
-/* Impulses and angular impulses of two balls that turn by the same lever, as columns. */
-static SCREE_INLINE void kick_evenly(const struct block *b, int lane, double step, wide_row r[8]) {
-    const wide_row none = {0.0};
-    wide_row n[3], force = *(const wide_row *)&b->force[lane], lever = *(const wide_row *)&b->lever[0][lane];
-    for (int i = 0; i < 3; i++) {
-        n[i] = *(const wide_row *)&b->n[i][lane];
-        r[i] = (none + step) * (force * n[i] + *(const wide_row *)&b->friction[i][lane]);
-    }
-    r[3] = r[7] = none;
-    r[4] = lever * (n[2] * r[1] - n[1] * r[2]);
-    r[5] = lever * (n[0] * r[2] - n[2] * r[0]);
-    r[6] = lever * (n[1] * r[0] - n[0] * r[1]);
 }
 
 /* The impulse with the other sign is the host's: in one instruction, whose product is exact. */
@@ -255,6 +257,23 @@ static SCREE_INLINE void add_kicks(const struct ends *ends, const struct block *
     }
 }
 #elif defined __AVX__
+/* In one go from columns to bodies. */
+static SCREE_INLINE void push_evenly(const struct ends *ends, const struct block *b, int count, double step) {
+    for (int lane = 0; lane < count; lane += 4) {
+        scree_row r[8];
+        kick_evenly(b, lane, step, r);
+        transpose(r);
+        transpose(r + 4);
+        for (int i = 0; i < 4 && lane + i < count; i++) {
+            struct scree_record *ball = ends->ball[lane + i], *host = ends->host[lane + i];
+            *(scree_row *)ball->impulse += r[i];
+            *(scree_row *)ball->turn += r[4 + i];
+            *(scree_row *)host->impulse -= r[i];
+            *(scree_row *)host->turn += r[4 + i];
+        }
+    }
+}
+
 static SCREE_INLINE void load_kicks(double (*column)[SCREE_LANES], int lane, scree_row r[4]) {
     for (int i = 0; i < 3; i++) r[i] = *(scree_row *)&column[i][lane];
     r[3] = (scree_row){0.0, 0.0, 0.0, 0.0};
@@ -314,18 +333,21 @@ static SCREE_INLINE void push_as(const struct ends *ends, const struct block *b,
 
 static void push(const struct ends *ends, const struct block *b, int count, const struct scree_batch *batch, int deeds,
                  int even, int in_hand, double step) {
+    int hosts = batch->geometry == SCREE_BALL_BALL, evenly = even && deeds == (RUBS | TURNS | BALLS);
 #ifdef __AVX512F__
-    if (even && deeds == (RUBS | TURNS | BALLS)) {
-        if (in_hand)
-            push_in_hand(ends, b, count, step);
-        else
-            push_evenly(ends, b, count, step);
+    if (evenly && in_hand) {
+        push_in_hand(ends, b, count, step);
         return;
     }
 #endif
-    (void)even;
+#ifdef __AVX__
+    if (evenly) {
+        push_evenly(ends, b, count, step);
+        return;
+    }
+#endif
+    (void)evenly;
     (void)in_hand;
-    int hosts = batch->geometry == SCREE_BALL_BALL;
 #define PUSH(constant) push_as(ends, b, count, hosts, constant, step)
     FOR_DEEDS(deeds, PUSH)
 #undef PUSH
