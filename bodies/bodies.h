@@ -68,11 +68,11 @@ struct scree_attitude {
 struct scree_past {
     double impulse[2][3], turn[2][3]; /* of the last step and of the one before it, N s, N m s */
     double known[3];                  /* acceleration that no contact causes: gravity, drives, m/s^2 */
-    double range;                     /* bound of the way that any point of the body makes in the step, m */
+    double range; /* bound of the way that any point of the body makes in the step, m; negative: not shown (pushed.h) */
 };
 
-/* What contacts of balls read of it, made anew in each step, in rows fit for four-wide loads: two lines, too. All zero
- * of fixed bodies. */
+/* What contacts of balls read of it, made anew in each step, of balls where one asks for it (pushed.h), in rows fit for
+ * four-wide loads: two lines, too. All zero of fixed bodies. */
 struct scree_push {
     double along[4]; /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
     double more[4];  /* what extrapolation from the last two steps adds to it, m/s^2; 1 of what isn't a ball, else 0 */

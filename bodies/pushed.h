@@ -6,7 +6,9 @@
  *
  *   x + h/2 v + h^2/8 A_1 + h^2/12 (A_1 - A_2),  v + h/2 A_1 + 3/8 h (A_1 - A_2)
  *
- * which is what contacts need that hardly change (contact/steady.c). */
+ * which is what contacts need that hardly change (contact/steady.c). Its start, and accelerations if all goes on as in
+ * the last two steps, are what other contacts ask for: they are shown when a contact does. In a bed at rest one of five
+ * does, and what isn't written needn't go through the caches. */
 #ifndef SCREE_BODIES_PUSHED_H
 #define SCREE_BODIES_PUSHED_H
 
@@ -18,6 +20,9 @@ static inline double scree_ball_range(double speed, double inverse_mass, double 
                                       double step) {
     return 2.0 * step * (speed + inverse_mass * (2.0 * last + before) + step * fall);
 }
+
+/* In place of its range: a ball whose start of the step hasn't been shown yet. */
+#define SCREE_NOT_SHOWN (-1.0)
 
 /* The impulses of a step that is over become past. */
 static inline void scree_settle_past(struct scree_past *past, const struct scree_record *record) {
@@ -74,15 +79,16 @@ static inline double scree_ball_foresee(struct scree_record *record, struct scre
     return square[0] + square[1] + square[2];
 }
 
-/* The start of the step into `now`, accelerations if all goes on as in the last two steps; then the middle of the
- * step. Nonzero if the path has outgrown the margin. */
-static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, struct scree_ball_rows rows,
-                                     struct scree_ball_past p, double step, scree_row gravity, double fall,
-                                     double margin, struct scree_bodies *now) {
-    struct scree_record *record = &bodies->record[index], *start = &now->record[index];
+/* Let the start of the step be known, into `now`, and what goes on as in the last two steps. */
+static inline void scree_ball_show(const struct scree_bodies *bodies, int index, double step,
+                                   const struct scree_bodies *now) {
+    const struct scree_record *record = &bodies->record[index];
+    struct scree_record *start = &now->record[index];
     struct scree_past *past = &bodies->past[index];
     struct scree_push *push = &bodies->push[index];
-    const scree_row none = {0.0, 0.0, 0.0, 0.0}, steps = {step, step, step, step};
+    struct scree_ball_rows rows = scree_ball_rows(&bodies->state[index], bodies->position[index]);
+    struct scree_ball_past p = scree_ball_past_of(past);
+    const scree_row steps = {step, step, step, step}, gravity = scree_row_of(past->known);
     scree_row rate = (scree_row){record->inverse_mass, record->inverse_moment, 0.0, 0.0} / steps;
     *(scree_row *)start->x = scree_row_with(rows.x, record->radius);
     *(scree_row *)start->v = scree_row_with(rows.v, record->inverse_mass);
@@ -91,22 +97,29 @@ static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, str
     *(scree_row *)push->more = scree_row_with(scree_row_times(rate[0], p.impulse - p.impulse_before), 0.0);
     *(scree_row *)push->turn = scree_row_with(scree_row_times(rate[1], p.turn), record->inverse_moment);
     *(scree_row *)push->turn_more = scree_row_with(scree_row_times(rate[1], p.turn - p.turn_before), 0.0);
-    *(scree_row *)bodies->moment[index] = none;
-    scree_row square = {scree_row_square(rows.v), scree_row_square(p.impulse), scree_row_square(p.impulse_before), 0.0};
-    square[3] =
-        scree_ball_foresee(record, &bodies->spin[index], rows, p, step, gravity, scree_flight_row(bodies, index));
+    scree_row square = {scree_row_square(rows.v), scree_row_square(p.impulse), scree_row_square(p.impulse_before),
+                        scree_row_square(gravity)};
     scree_row size = scree_row_root(square);
-    double range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], fall, step);
-    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.impulse), range);
-    *(scree_row *)past->known = scree_row_with(gravity, range);
-    return scree_outgrown(&bodies->path[index], step * size[3], margin, 0.5);
+    past->range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], size[3], step);
+    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.impulse), past->range);
+}
+
+/* To the middle of the step. Nonzero if the path has outgrown the margin. */
+static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, struct scree_ball_rows rows,
+                                     struct scree_ball_past p, double step, scree_row gravity, double margin) {
+    const scree_row none = {0.0, 0.0, 0.0, 0.0};
+    *(scree_row *)bodies->moment[index] = none;
+    *(scree_row *)bodies->past[index].known = scree_row_with(gravity, SCREE_NOT_SHOWN);
+    double square = scree_ball_foresee(&bodies->record[index], &bodies->spin[index], rows, p, step, gravity,
+                                       scree_flight_row(bodies, index));
+    return scree_outgrown(&bodies->path[index], step * sqrt(square), margin, 0.5);
 }
 
 static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
-                                       double fall, double margin, struct scree_bodies *now) {
+                                       double margin) {
     struct scree_ball_rows rows = scree_ball_rows(&bodies->state[index], bodies->position[index]);
     struct scree_ball_past past = scree_ball_past_of(&bodies->past[index]);
-    return scree_ball_look_on(bodies, index, rows, past, step, gravity, fall, margin, now);
+    return scree_ball_look_on(bodies, index, rows, past, step, gravity, margin);
 }
 
 /* By impulses and moments to the end of the step. Returns the new state, and what is past now. */
@@ -141,10 +154,10 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
 /* Both, from one step into the next: a processor waits for rows that have just been written in pieces, so none is read
  * again. */
 static inline int scree_ball_move_by_moments(struct scree_bodies *bodies, int index, double step, scree_row gravity,
-                                             scree_row next, double fall, double margin, struct scree_bodies *now) {
+                                             scree_row next, double margin) {
     struct scree_ball_past past;
     struct scree_ball_rows rows = scree_ball_go_on(bodies, index, step, gravity, &past);
-    return scree_ball_look_on(bodies, index, rows, past, step, next, fall, margin, now);
+    return scree_ball_look_on(bodies, index, rows, past, step, next, margin);
 }
 
 #else
@@ -172,9 +185,10 @@ static inline double scree_ball_foresee(struct scree_bodies *bodies, int index, 
     return square;
 }
 
-static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
-                                       double fall, double margin, struct scree_bodies *now) {
-    struct scree_record *record = &bodies->record[index], *start = &now->record[index];
+static inline void scree_ball_show(const struct scree_bodies *bodies, int index, double step,
+                                   const struct scree_bodies *now) {
+    const struct scree_record *record = &bodies->record[index];
+    struct scree_record *start = &now->record[index];
     const struct scree_state *state = &bodies->state[index];
     struct scree_past *past = &bodies->past[index];
     struct scree_push *push = &bodies->push[index];
@@ -183,12 +197,10 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
         start->x[k] = bodies->position[index][k];
         start->v[k] = state->v[k];
         now->spin[index].w[k] = record->inverse_moment * state->l[k];
-        push->along[k] = gravity[k] + along * past->impulse[0][k];
+        push->along[k] = past->known[k] + along * past->impulse[0][k];
         push->more[k] = along * (past->impulse[0][k] - past->impulse[1][k]);
         push->turn[k] = turn * past->turn[0][k];
         push->turn_more[k] = turn * (past->turn[0][k] - past->turn[1][k]);
-        bodies->moment[index][k] = 0.0;
-        past->known[k] = gravity[k];
     }
     start->radius = record->radius;
     start->inverse_mass = record->inverse_mass;
@@ -197,7 +209,17 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
     push->more[3] = 0.0;
     past->range = push->along[3] =
         scree_ball_range(scree_size_of(state->v), record->inverse_mass, scree_size_of(past->impulse[0]),
-                         scree_size_of(past->impulse[1]), fall, step);
+                         scree_size_of(past->impulse[1]), scree_size_of(past->known), step);
+}
+
+static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
+                                       double margin) {
+    struct scree_past *past = &bodies->past[index];
+    for (int k = 0; k < 3; k++) {
+        bodies->moment[index][k] = 0.0;
+        past->known[k] = gravity[k];
+    }
+    past->range = SCREE_NOT_SHOWN;
     double square = scree_ball_foresee(bodies, index, step, gravity, scree_flight_row(bodies, index));
     return scree_outgrown(&bodies->path[index], step * sqrt(square), margin, 0.5);
 }
@@ -221,9 +243,9 @@ static inline void scree_ball_advance_by_moments(struct scree_bodies *bodies, in
 }
 
 static inline int scree_ball_move_by_moments(struct scree_bodies *bodies, int index, double step, scree_row gravity,
-                                             scree_row next, double fall, double margin, struct scree_bodies *now) {
+                                             scree_row next, double margin) {
     scree_ball_advance_by_moments(bodies, index, step, gravity);
-    return scree_ball_look_both(bodies, index, step, next, fall, margin, now);
+    return scree_ball_look_both(bodies, index, step, next, margin);
 }
 #endif
 

@@ -531,6 +531,10 @@ int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodie
                              double step, const double gravity[3], double margin, struct scree_bodies *now,
                              int threads);
 
+/* Let of all balls be known in `now` where they are at its start. (Contacts that need it see to that themselves.) */
+void scree_contacts_show(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                         const struct scree_bodies *now, double step, int threads);
+
 /* The first `count` bodies to its end, as scree_bodies_advance_by_moments. */
 void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct scree_bodies *bodies, int count,
                                        double time, double step, const double gravity[3], int threads);

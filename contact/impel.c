@@ -60,40 +60,32 @@ struct stride {
  * as much). */
 enum { AHEAD = 96, SIZE = 4 };
 
-static SCREE_INLINE void prefetch_partner(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
+static SCREE_INLINE void prefetch_partner(const struct scree_bodies *bodies, int k) {
     SCREE_PREFETCH(bodies->record, k, k + 1);
-    SCREE_PREFETCH(bodies->push, k, k + 1);
     SCREE_PREFETCH(bodies->spin, k, k + 1);
     __builtin_prefetch(bodies->moment[k], 0, 2);
     __builtin_prefetch(bodies->past[k].impulse[0], 0, 2);
-    __builtin_prefetch(now->record[k].x, 0, 2);
-    __builtin_prefetch(now->spin[k].w, 0, 2);
 }
 
-static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, const struct scree_bodies *now, int from,
-                                         int to) {
+static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, int from, int to) {
     SCREE_PREFETCH(bodies->record, from, to);
     SCREE_PREFETCH(bodies->spin, from, to);
-    SCREE_PREFETCH(bodies->push, from, to);
     SCREE_PREFETCH(bodies->moment, from, to);
     SCREE_PREFETCH(bodies->past, from, to);
     SCREE_PREFETCH(bodies->state, from, to);
     SCREE_PREFETCH(bodies->position, from, to);
-    SCREE_PREFETCH(now->spin, from, to);
-    for (int k = from; k < to; k++) __builtin_prefetch(now->record[k].x, 0, 2);
 }
 
 static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                        const struct scree_bodies *now, const struct scree_batch *batch, int next,
-                                        int left, int *prefetched) {
+                                        const struct scree_batch *batch, int next, int left, int *prefetched) {
     const struct scree_ends *own = &batch->ends[next];
     if (left <= 0 || bodies->count < contacts->cached / SIZE) return;
     int first = scree_first_of(own), to = first + AHEAD < bodies->count ? first + AHEAD : bodies->count;
     int from = *prefetched > first ? *prefetched : first, later = SCREE_WINDOW * SCREE_LANES;
-    if (to > from) prefetch_bodies(bodies, now, from, *prefetched = to);
+    if (to > from) prefetch_bodies(bodies, from, *prefetched = to);
     for (int k = later; k < later + SCREE_LANES && k < left; k++) {
         int last = scree_last_of(&own[k]);
-        if (last >= first + AHEAD) prefetch_partner(bodies, now, last);
+        if (last >= first + AHEAD) prefetch_partner(bodies, last);
     }
     SCREE_PREFETCH(own, later, later + SCREE_LANES);
     for (int m = 0; m < SCREE_PAST; m++) SCREE_PREFETCH(&batch->past[m][next], later, later + SCREE_LANES);
@@ -124,11 +116,27 @@ static void impel_segment(void *context, struct scree_contacts *contacts, struct
         count = left < SCREE_WINDOW * SCREE_LANES ? left : SCREE_WINDOW * SCREE_LANES;
         scree_impel_window(contacts, bodies, stride->now, batch, first, count, step, yield, moments, odd);
         for (int done = 0, block = 0; done < count; done += SCREE_LANES, block++) {
-            prefetch_ahead(contacts, bodies, stride->now, batch, first + done, left - done + trail->behind,
-                           &trail->prefetched);
+            prefetch_ahead(contacts, bodies, batch, first + done, left - done + trail->behind, &trail->prefetched);
             add_block(contacts, bodies, batch, first + done, count - done < SCREE_LANES ? count - done : SCREE_LANES,
                       odd[block], &yield[block], &moments[block], tally);
         }
+    }
+}
+
+/* More bodies than that are worth a team of threads; so many one thread takes at once. */
+enum { WORTH_A_TEAM = 1000, CHUNK = 256 };
+
+static int chunk_end(int from, int count) { return from + CHUNK < count ? from + CHUNK : count; }
+
+void scree_contacts_show(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                         const struct scree_bodies *now, double step, int threads) {
+    const struct scree_loop *loop = contacts->loop;
+    int count = bodies->count;
+    if (threads > 1 && count > WORTH_A_TEAM) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int from = 0; from < count; from += CHUNK) loop->show_all(bodies, from, chunk_end(from, count), step, now);
+    } else {
+        loop->show_all(bodies, 0, count, step, now);
     }
 }
 
@@ -136,6 +144,7 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
                         const struct scree_batch *batch, double step, int threads) {
     int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
     if (threads > 1 && blocks > 8) {
+        scree_contacts_show(contacts, bodies, now, step, threads); /* several blocks may ask for the same body */
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
     } else {
@@ -162,11 +171,6 @@ int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *b
     return scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
 }
 
-/* More bodies than that are worth a team of threads; so many one thread takes at once. */
-enum { WORTH_A_TEAM = 1000, CHUNK = 256 };
-
-static int chunk_end(int from, int count) { return from + CHUNK < count ? from + CHUNK : count; }
-
 /* One thread has a loop of its own: a parallel region takes longer than a few bodies, even with a team of one. */
 int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodies *bodies, int count, double time,
                              double step, const double gravity[3], double margin, struct scree_bodies *now,
@@ -176,10 +180,10 @@ int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodie
     if (threads > 1 && count > WORTH_A_TEAM) {
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (int from = 0; from < count; from += CHUNK)
-            if (loop->look_both(bodies, from, chunk_end(from, count), step, gravity, margin, now))
+            if (loop->look_both(bodies, from, chunk_end(from, count), step, gravity, margin))
                 __atomic_store_n(&too_far, 1, __ATOMIC_RELAXED);
     } else {
-        too_far |= loop->look_both(bodies, 0, count, step, gravity, margin, now);
+        too_far |= loop->look_both(bodies, 0, count, step, gravity, margin);
     }
     return too_far;
 }

@@ -595,7 +595,10 @@ static int impel_block(const struct scree_contacts *contacts, const struct scree
     int left = 0;
     yield->silent = 0;
     uint32_t done = loop->hold_steady(contacts, bodies, batch, first, count, step, yield, moments);
-    if (!done) done = loop->impel(contacts, now, batch, first, count, step, yield, moments);
+    if (!done) {
+        loop->show(bodies, batch->ends + first, NULL, count, step, now);
+        done = loop->impel(contacts, now, batch, first, count, step, yield, moments);
+    }
     for (int k = 0; k < count; k++)
         if (!(done >> k & 1)) lane[left++] = base + k;
     return left;
@@ -620,6 +623,10 @@ void scree_impel_window(const struct scree_contacts *contacts, const struct scre
                             &moments[block]);
     }
     const struct scree_loop *loop = left <= 4 ? contacts->loop_for_few : contacts->loop;
+    if (rolls)
+        loop->show(bodies, batch->ends + first, NULL, count, step, now);
+    else if (left)
+        loop->show(bodies, batch->ends + first, lane, left, step, now);
     if (left) left = loop->impel_few(contacts, now, batch, first, lane, left, step, yield, moments);
     for (int i = 0; i < left; i++) {
         odd[lane[i] / SCREE_LANES] |= (uint32_t)1 << lane[i] % SCREE_LANES;

@@ -331,4 +331,6 @@ const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX],
                                       SCREE_PART(impel_few),
                                       SCREE_PART(add_up),
                                       SCREE_PART(look_both),
+                                      SCREE_PART(show),
+                                      SCREE_PART(show_all),
                                       SCREE_PART(advance_by_moments)};

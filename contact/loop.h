@@ -42,8 +42,14 @@ struct scree_loop {
                   struct scree_yield *yield, struct scree_moments *moments, const struct scree_tally *tally);
     /* Balls among bodies from … to - 1, before and behind the contacts of such a step (pushed.c). The first: nonzero if
      * a path has outgrown the margin. */
-    int (*look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3], double margin,
-                     struct scree_bodies *now);
+    int (*look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
+                     double margin);
+    /* What contacts ask for that aren't steady, of the balls for which none has yet: the start of the step into `now`,
+     * and bodies->push. Of contacts contact[which[0 … count - 1]], `which` NULL: the first `count`; or of all bodies
+     * from … to - 1. */
+    void (*show)(const struct scree_bodies *bodies, const struct scree_ends *contact, const int *which, int count,
+                 double step, const struct scree_bodies *now);
+    void (*show_all)(const struct scree_bodies *bodies, int from, int to, double step, const struct scree_bodies *now);
     void (*advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3]);
 };
 
@@ -84,7 +90,11 @@ int SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct sc
 int SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                        struct scree_yield *yield, struct scree_moments *moments, const struct scree_tally *tally);
 int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
-                          double margin, struct scree_bodies *now);
+                          double margin);
+void SCREE_PART(show)(const struct scree_bodies *bodies, const struct scree_ends *contact, const int *which, int count,
+                      double step, const struct scree_bodies *now);
+void SCREE_PART(show_all)(const struct scree_bodies *bodies, int from, int to, double step,
+                          const struct scree_bodies *now);
 void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,
                                     const double gravity[3]);
 int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,

@@ -4,13 +4,30 @@
 #include "contact/loop.h"
 
 int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
-                          double margin, struct scree_bodies *now) {
-    double fall = vec_norm(vec_from(gravity));
+                          double margin) {
     int too_far = 0;
     for (int k = from; k < to; k++)
         if (bodies->class[k] == SCREE_CLASS_BALL)
-            too_far |= scree_ball_look_both(bodies, k, step, scree_row_of(gravity), fall, margin, now);
+            too_far |= scree_ball_look_both(bodies, k, step, scree_row_of(gravity), margin);
     return too_far;
+}
+
+static void show_one(const struct scree_bodies *bodies, int k, double step, const struct scree_bodies *now) {
+    if (bodies->past[k].range < 0.0) scree_ball_show(bodies, k, step, now);
+}
+
+void SCREE_PART(show)(const struct scree_bodies *bodies, const struct scree_ends *contact, const int *which, int count,
+                      double step, const struct scree_bodies *now) {
+    for (int i = 0; i < count; i++) {
+        const struct scree_ends *own = &contact[which ? which[i] : i];
+        show_one(bodies, own->ball, step, now);
+        show_one(bodies, own->host, step, now);
+    }
+}
+
+void SCREE_PART(show_all)(const struct scree_bodies *bodies, int from, int to, double step,
+                          const struct scree_bodies *now) {
+    for (int k = from; k < to; k++) show_one(bodies, k, step, now);
 }
 
 void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,
@@ -23,12 +40,11 @@ void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int t
 int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
                                 const unsigned char *lent, int wanted) {
     scree_row gravity = scree_row_of(go->gravity), next = scree_row_of(go->next_gravity);
-    double fall = vec_norm(vec_from(go->next_gravity));
     int too_far = 0;
     for (int k = from; k < to; k++) {
         if (bodies->class[k] != SCREE_CLASS_BALL || (lent && lent[k] != wanted)) continue;
         if (go->ahead)
-            too_far |= scree_ball_move_by_moments(bodies, k, go->step, gravity, next, fall, go->margin, go->now);
+            too_far |= scree_ball_move_by_moments(bodies, k, go->step, gravity, next, go->margin);
         else
             scree_ball_advance_by_moments(bodies, k, go->step, gravity);
     }

@@ -134,10 +134,13 @@ static scree_status renew_list(scree_scene *scene) {
     return scree_contacts_renew(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
+static int checks_haste(const scree_scene *scene) {
+    return is_look(scene) || scene->bodies.count <= LOOKED_AT_EVERY_STEP;
+}
+
 /* Lists that hold in this step; `now`: bodies whose speeds are no guesses. */
 static scree_status keep_lists(scree_scene *scene, const struct scree_bodies *now, int outgrown) {
-    scree_status status =
-        is_look(scene) || scene->bodies.count <= LOOKED_AT_EVERY_STEP ? check_haste(scene, now) : SCREE_OK;
+    scree_status status = checks_haste(scene) ? check_haste(scene, now) : SCREE_OK;
     if (!status && outgrown) status = renew_list(scene);
     if (!status && is_look(scene)) scree_contacts_note_boxes(&scene->contacts, &scene->bodies);
     return status;
@@ -288,6 +291,7 @@ static scree_status step_by_impulses(scree_scene *scene, int more) {
     if (!scene->waits)
         too_far |= scree_contacts_look_both(&scene->contacts, bodies, looks, time, step, go.gravity,
                                             0.5 * scene->contacts.skin, now, threads_of(scene));
+    if (checks_haste(scene)) scree_contacts_show(&scene->contacts, bodies, now, step, threads_of(scene));
     scree_status status = keep_lists(scene, now, too_far | scene->contacts.broken);
     scene->waits = status == SCREE_NO_MEMORY;
     if (status) return status;
