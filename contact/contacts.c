@@ -45,8 +45,7 @@ static scree_status make_numbers(struct scree_contacts *contacts, size_t bodies)
     contacts->widest = scree_memory((bodies + 1) * sizeof *contacts->widest);
     contacts->plane = scree_memory((bodies + 1) * sizeof *contacts->plane);
     contacts->lent = scree_memory(bodies + 1);
-    contacts->has_loose = scree_memory(bodies + 1);
-    int ok = contacts->spare && contacts->widest && contacts->plane && contacts->lent && contacts->has_loose;
+    int ok = contacts->spare && contacts->widest && contacts->plane && contacts->lent;
     return ok ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
@@ -109,7 +108,6 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     scree_memory_free(contacts->boxes.memory);
     scree_memory_free(contacts->plane);
     scree_memory_free(contacts->lent);
-    scree_memory_free(contacts->has_loose);
     scree_memory_free(contacts->rest.border);
     scree_memory_free(contacts->rest.on_border);
     free(contacts->returned);

@@ -396,8 +396,13 @@ struct scree_contacts {
     };
     struct scree_gate gate[SCREE_SLABS][SCREE_STRIPS]; /* of the strips of slabs whose lists are as they were then: */
     unsigned char gated[SCREE_SLABS];
-    unsigned char *lent;      /* [place]: of a stretch's first slab (SCREE_STRETCH), with contacts in the one before */
-    unsigned char *has_loose; /* [place], while lists are made: a member that comes first in contacts of segment 0 */
+    /* [place]: a member of a stretch's first slab (SCREE_STRETCH), with contacts in the one before; and in the same
+     * memory, while outer lists are made, for it is marked anew behind them: one that comes first in contacts of
+     * segment 0. */
+    union {
+        unsigned char *lent;
+        unsigned char *has_loose;
+    };
     /* Where bodies are few: the margin that each should have at most, m, and pairs of boxes in the outer list. */
     double *widest;
     struct scree_space boxes;
