@@ -275,7 +275,7 @@ static int all_stay(const struct scree_bodies *bodies, int from, int count, cons
 static int move(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
                 const unsigned char *lent, int wanted) {
     int too_far = 0;
-    if (go->now) return SCREE_PART(move_by_moments)(bodies, from, to, go, lent, wanted);
+    if (go->by_moments) return SCREE_PART(move_by_moments)(bodies, from, to, go, lent, wanted);
     for (int k = from; k < to; k += SCREE_LANES) {
         int count = to - k < SCREE_LANES ? to - k : SCREE_LANES;
         if ((bodies->calm || wanted) && all_stay(bodies, k, count, lent, wanted)) continue;

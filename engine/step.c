@@ -281,7 +281,7 @@ static int may_hurry(const scree_scene *scene, long next) {
 static scree_status step_by_impulses(scree_scene *scene, int more) {
     struct scree_bodies *bodies = &scene->bodies, *now = &scene->shadow;
     double time = scree_scene_time(scene), step = scene->step;
-    struct scree_departure go = {.step = step, .steps = 1, .ahead = more, .to_come = 0.5, .now = now};
+    struct scree_departure go = {.step = step, .steps = 1, .ahead = more, .to_come = 0.5, .by_moments = 1};
     int looks = scene->ahead ? bodies->order.members : bodies->count;
     int too_far = scene->waits || (scene->ahead && scene->too_far);
     int at_once = moves_at_once(scene);

@@ -288,9 +288,10 @@ static void skip(const char *laws, double speed, int steps, double *velocity) {
  * touch: by c u/m = 15 m/s^2 for some 1e-5 s (1e-4 m/s, measured with such a push); and its friction would be without
  * spring and dashpot to bear it. The slowest don't leave, but part and approach: a law with another formula for each
  * erred by 1e-5 m/s where that wasn't located. Instants are; what remains is of Runge-Kutta over the rest of the step:
- * w h = 0.07, and (w h)^4/120 = 2e-7 of speeds up to 0.04 m/s, 1e-8 m/s; of friction as much. Where force sets in at
- * rest as a root, or a spring that keeps its force slides under a load that does, the first piece is all the rest of
- * the step, in which t^1.5 errs by some hundredths: of 1.2e-4 m/s that they yield in it. */
+ * w h = 0.07, and (w h)^4/120 = 2e-7 of speeds up to 0.04 m/s, 1e-8 m/s; of friction as much. Where a dashpot sets in
+ * at rest like t^1.5, the first piece is all the rest of the step, in which Simpson's rule errs by six thousandths of
+ * 3e-4 m/s, and what the stages are told of each other by as much again; the bound is twice that. So it is of a spring
+ * that keeps its force, whose stiffness sets in as a root: there it was measured, 9e-6. */
 static void test_flights_in_between(void) {
     static const struct {
         const char *laws;
