@@ -36,11 +36,14 @@ static inline void scree_row_put(scree_row a, double *old) {
     *(scree_row *)old = __builtin_shufflevector(a, *(const scree_row *)old, 0, 1, 2, 7);
 }
 
-static inline scree_row scree_row_settle(scree_row a) {
+static inline scree_row scree_row_size(scree_row a) {
     const scree_bits sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+    return (scree_row)((scree_bits)a & ~sign);
+}
+
+static inline scree_row scree_row_settle(scree_row a) {
     const scree_row least = {scree_least_momentum, scree_least_momentum, scree_least_momentum, scree_least_momentum};
-    scree_row size = (scree_row)((scree_bits)a & ~sign);
-    return (scree_row)((scree_bits)a & ~(scree_bits)(size < least));
+    return (scree_row)((scree_bits)a & ~(scree_bits)(scree_row_size(a) < least));
 }
 
 /* The rows of a state; fourth numbers are as they come. */

@@ -19,6 +19,7 @@
 #include "bodies/quat.h"
 
 #include <stdint.h>
+#include <string.h>
 
 /* What the contact loop reads (x, v and the spin: half a step ahead) and adds to (impulse, turn). The fourth lane of
  * each row is free in a record of doubles fit for four-wide loads, and carries what contacts need besides. Two rows
@@ -70,6 +71,20 @@ struct scree_past {
     double known[3];                  /* acceleration that no contact causes: gravity, drives, m/s^2 */
     double range; /* bound of the way that any point of the body makes in the step, m; negative: not shown (pushed.h) */
 };
+
+/* What contacts that hardly change ask of the past of a ball, mostly: so small that it stays in the caches. */
+struct scree_glance {
+    float way;      /* a bound of the way that it makes in the step, m */
+    uint32_t trace; /* scree_trace_of its impulse of the last step along the first axis: if an impulse hasn't this one,
+                       it isn't all that the ball has got */
+};
+
+/* The last digits of a number, which no other is likely to share, whatever its size; without its sign. */
+static inline uint32_t scree_trace_of(double impulse) {
+    uint64_t bits;
+    memcpy(&bits, &impulse, sizeof bits);
+    return (uint32_t)(bits & UINT32_MAX);
+}
 
 /* What contacts of balls read of it, made anew in each step, of balls where one asks for it (pushed.h), in rows fit for
  * four-wide loads: two lines, too. All zero of fixed bodies. */
@@ -139,6 +154,7 @@ struct scree_bodies {
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
     unsigned char *calm;              /* how often it was seen at rest (contact/rest.h); NULL: none ever sleeps */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
+    struct scree_glance *glance;      /* of balls */
     struct scree_push *push;
     double (*moment)[4];      /* first moment of the step's impulses about its end, N s^2: contacts add to it */
     int periodic;             /* along some axis */

@@ -232,9 +232,9 @@ void scree_bodies_permute(struct scree_bodies *bodies, int *from) {
         {bodies->record, sizeof *bodies->record}, {bodies->spin, sizeof *bodies->spin},
         {bodies->state, sizeof *bodies->state},   {bodies->position, sizeof *bodies->position},
         {bodies->class, sizeof *bodies->class},   {bodies->kind_of, sizeof *bodies->kind_of},
-        {bodies->past, sizeof *bodies->past},     {bodies->number, sizeof *bodies->number},
-        {bodies->calm, sizeof *bodies->calm},     {bodies->flight, sizeof *bodies->flight},
-        {bodies->path, sizeof *bodies->path},
+        {bodies->past, sizeof *bodies->past},     {bodies->glance, sizeof *bodies->glance},
+        {bodies->number, sizeof *bodies->number}, {bodies->calm, sizeof *bodies->calm},
+        {bodies->flight, sizeof *bodies->flight}, {bodies->path, sizeof *bodies->path},
     };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         scree_permute(arrays[k].array, arrays[k].size, from, count);

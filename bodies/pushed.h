@@ -24,6 +24,12 @@ static inline double scree_ball_range(double speed, double inverse_mass, double 
 /* In place of its range: a ball whose start of the step hasn't been shown yet. */
 #define SCREE_NOT_SHOWN (-1.0)
 
+/* Another bound, looser and without roots; `sizes`: the sum, along the axes, of those of speed + inverse mass * (2 *
+ * last + before) + step * gravity. */
+static inline struct scree_glance scree_glance_of(double sizes, double step, double last) {
+    return (struct scree_glance){(float)(2.0 * step * sizes), scree_trace_of(last)};
+}
+
 /* The impulses of a step that is over become past. */
 static inline void scree_settle_past(struct scree_past *past, const struct scree_record *record) {
     for (int k = 0; k < 3; k++) {
@@ -109,7 +115,13 @@ static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, str
                                      struct scree_ball_past p, double step, scree_row gravity, double margin) {
     const scree_row none = {0.0, 0.0, 0.0, 0.0};
     *(scree_row *)bodies->moment[index] = none;
+    scree_row size =
+        scree_row_size(rows.v) +
+        scree_row_times(bodies->record[index].inverse_mass,
+                        scree_row_times(2.0, scree_row_size(p.impulse)) + scree_row_size(p.impulse_before)) +
+        scree_row_times(step, scree_row_size(gravity));
     *(scree_row *)bodies->past[index].known = scree_row_with(gravity, SCREE_NOT_SHOWN);
+    bodies->glance[index] = scree_glance_of(size[0] + size[1] + size[2], step, p.impulse[0]);
     double square = scree_ball_foresee(&bodies->record[index], &bodies->spin[index], rows, p, step, gravity,
                                        scree_flight_row(bodies, index));
     return scree_outgrown(&bodies->path[index], step * sqrt(square), margin, 0.5);
@@ -215,11 +227,16 @@ static inline void scree_ball_show(const struct scree_bodies *bodies, int index,
 static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
                                        double margin) {
     struct scree_past *past = &bodies->past[index];
+    double sizes = 0.0;
     for (int k = 0; k < 3; k++) {
+        double pushed = 2.0 * fabs(past->impulse[0][k]) + fabs(past->impulse[1][k]);
+        double size = fabs(bodies->state[index].v[k]) + bodies->record[index].inverse_mass * pushed;
+        sizes += size + step * fabs(gravity[k]);
         bodies->moment[index][k] = 0.0;
         past->known[k] = gravity[k];
     }
     past->range = SCREE_NOT_SHOWN;
+    bodies->glance[index] = scree_glance_of(sizes, step, past->impulse[0][0]);
     double square = scree_ball_foresee(bodies, index, step, gravity, scree_flight_row(bodies, index));
     return scree_outgrown(&bodies->path[index], step * sqrt(square), margin, 0.5);
 }

@@ -22,7 +22,8 @@ struct scree_loop {
     int (*move)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,
                 const unsigned char *lent, int wanted);
     /* A block of contacts through a step by pair impulses: those that are steady (steady.c), from where `bodies` are in
-     * its middle. Returns bits of their lanes; leaves the others alone. */
+     * its middle, and with them those to which nothing can happen. Returns bits of their lanes; leaves the others
+     * alone. */
     uint32_t (*hold_steady)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                             const struct scree_batch *batch, int first, int count, double step,
                             struct scree_yield *yield, struct scree_moments *moments);

@@ -256,6 +256,16 @@ static SCREE_INLINE struct vec turn_over(struct vec v, struct vec axis, double c
     return vec_axpy(vec_add(v, once), 1.0 / (1.0 + cosine), vec_cross(axis, once));
 }
 
+static inline void yield_nothing(struct scree_yield *yield, struct scree_moments *moments, int lane) {
+    struct vec zero = {0.0, 0.0, 0.0};
+    put(yield->impulse, lane, zero);
+    put(yield->turn_ball, lane, zero);
+    put(yield->turn_host, lane, zero);
+    put(moments->impulse, lane, zero);
+    yield->depth[lane] = yield->steep[lane] = yield->lasts[lane] = 0.0;
+    yield->lost.normal[lane] = yield->lost.tangential[lane] = 0.0;
+}
+
 /* Impulses in the directions of mid-step. */
 static SCREE_INLINE void yield_lane(struct block *b, int k, int balls, int turns, int even, struct meeting *at,
                                     struct course *c, struct scree_yield *yield, struct scree_moments *moments) {

@@ -408,17 +408,6 @@ static int far_apart(const struct scree_bodies *now, const struct scree_batch *b
     return 1;
 }
 
-static void hand_nothing(struct scree_yield *yield, struct scree_moments *moments, int lane) {
-    struct vec zero = {0.0, 0.0, 0.0};
-    yield += lane / SCREE_LANES, moments += lane / SCREE_LANES, lane %= SCREE_LANES;
-    put(yield->impulse, lane, zero);
-    put(yield->turn_ball, lane, zero);
-    put(yield->turn_host, lane, zero);
-    put(moments->impulse, lane, zero);
-    yield->depth[lane] = yield->steep[lane] = yield->lasts[lane] = 0.0;
-    yield->lost.normal[lane] = yield->lost.tangential[lane] = 0.0;
-}
-
 /* Both bodies are balls, or one is frozen. */
 static int is_plain(const struct scree_bodies *bodies, const struct scree_ends *contact) {
     enum scree_body_class ball = bodies->class[contact->ball], host = bodies->class[contact->host];
@@ -551,7 +540,7 @@ static int sort_out(const struct smooth_work *w, int *lane, int count, int *acti
         if (!is_plain(w->now, &w->batch->ends[w->first + lane[i]]))
             lane[odd++] = lane[i];
         else if (far_apart(w->now, w->batch, w->first + lane[i]))
-            hand_nothing(yield, moments, lane[i]);
+            yield_nothing(&yield[lane[i] / SCREE_LANES], &moments[lane[i] / SCREE_LANES], lane[i] % SCREE_LANES);
         else
             acting[(*acts)++] = lane[i];
     return odd;

@@ -16,6 +16,8 @@
  * hold, with some room. For steps so long, or contacts so damped, that forces extrapolated from the last steps might
  * grow, there is the other way (smooth.c), which solves for the pair's own force.
  *
+ * Of the others in a block those that can't touch in this step are done with, too.
+ *
  * Which contacts are steady is decided for each by its own numbers, as in smooth.c. Compiled once for each kind of
  * processor, as loop.c is. */
 #include "contact/law_list.h"
@@ -45,7 +47,9 @@ struct steady_work {
 /* ---- laws ---- */
 
 /* A step hears of a law once: it has one formula, and no memory; and no force beyond the touch. */
-#define STEADY_LAW(law) (!(law).reach && !(law).memory && !(law).bends && (law).turns_smoothly)
+static inline int is_steady_law(const struct scree_normal_law *law) {
+    return !law->reach && !law->memory && !law->bends && law->turns_smoothly;
+}
 
 /* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness. In the densest packing,
  * twelve neighbours each, with friction as stiff and as damped as the normal law, motion grows from 2 z w h = 0.64 on
@@ -76,7 +80,7 @@ typedef void steady_pass(struct steady *s, int count, const struct steady_work *
     }                                                                                                                  \
     static void normal_##word(struct steady *s, int count, const struct steady_work *w) {                              \
         struct scree_law_constants own = w->rule->normal_constants;                                                    \
-        if (!STEADY_LAW(scree_normal_##word)) return;                                                                  \
+        if (!is_steady_law(&scree_normal_##word)) return;                                                              \
         SCREE_FOR_EXPONENT(scree_normal_##word.raises, own,                                                            \
                            _Pragma("omp simd") for (int k = 0; k < padded(count); k++)                                 \
                                press_##word(s, k, &own, w->pair););                                                    \
@@ -117,10 +121,10 @@ static SCREE_INLINE void hold(struct steady *s, int k, double step, struct scree
     }
 STEADY_SLIDERS(STEADY_SLIDER)
 
-#define ENTRY(word) STEADY_LAW(scree_normal_##word) ? normal_##word : NULL,
+#define ENTRY(word) normal_##word,
 static steady_pass *normal_of(int normal) {
-    steady_pass *const passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
-    return passes[normal];
+    static steady_pass *const passes[] = {SCREE_NORMAL_LAWS(ENTRY)};
+    return is_steady_law(scree_normal_laws[normal]) ? passes[normal] : NULL;
 }
 #undef ENTRY
 
@@ -140,10 +144,11 @@ static steady_pass *slider_of(int friction) {
 
 /* How many may be steady, by their impulses so far. */
 static int count_candidates(const struct scree_batch *batch, int first, int count) {
-    double *const *past = batch->past;
+    const double *past[SCREE_PAST];
+    for (int m = 0; m < SCREE_PAST; m++) past[m] = batch->past[m] + first;
     double some = 0.0;
     _Pragma("omp simd reduction(+ : some)")
-    for (int k = first; k < first + count; k++) {
+    for (int k = 0; k < count; k++) {
         struct vec last = vec(past[0][k], past[1][k], past[2][k]);
         struct vec before = vec(past[SCREE_PAST_STEP][k], past[SCREE_PAST_STEP + 1][k], past[SCREE_PAST_STEP + 2][k]);
         some += vec_norm2(vec_sub(last, before)) < 0.25 * vec_norm2(last) ? 1.0 : 0.0;
@@ -264,9 +269,10 @@ static void yield_all(struct steady *s, int count, const struct steady_work *w, 
 /* Whether other contacts push a free ball, too: all impulses of the last step aren't this one's, of that sign. Or it is
  * frozen. */
 static inline int has_others(const struct scree_bodies *bodies, int k, struct vec own, double sign) {
+    if (bodies->class[k] != SCREE_CLASS_BALL) return bodies->class[k] == SCREE_CLASS_FIXED;
+    if (bodies->glance[k].trace != scree_trace_of(own.x)) return 1;
     const double *all = bodies->past[k].impulse[0];
-    int alone = (all[0] == sign * own.x) & (all[1] == sign * own.y) & (all[2] == sign * own.z);
-    return bodies->class[k] == SCREE_CLASS_FIXED || (bodies->class[k] == SCREE_CLASS_BALL && !alone);
+    return all[0] != sign * own.x || all[1] != sign * own.y || all[2] != sign * own.z;
 }
 
 /* Bits of the steady lanes: of free balls, pushed by others too, and frozen bodies; whose slider hasn't slid. */
@@ -283,6 +289,31 @@ static uint32_t steady_lanes(const struct scree_bodies *bodies, const struct scr
         lanes |= (uint32_t)steady << k;
     }
     for (int k = count; k < padded(count); k++) s->is[k] = 0.0;
+    return lanes;
+}
+
+/* Nothing can happen to contacts in this step that are farther apart in its middle than bodies go, and of which nothing
+ * is kept. (smooth.c comes to the same, once it knows where balls start from; it is told of those near the bound.) */
+static inline int is_idle(const struct scree_bodies *bodies, const struct scree_batch *batch, int index,
+                          double overlap) {
+    int ball = batch->ends[index].ball, host = batch->ends[index].host;
+    enum scree_body_class own = bodies->class[ball], other = bodies->class[host];
+    if ((own != SCREE_CLASS_BALL && own != SCREE_CLASS_FIXED) ||
+        (other != SCREE_CLASS_BALL && other != SCREE_CLASS_FIXED))
+        return 0;
+    double ways = (double)bodies->glance[ball].way + (double)bodies->glance[host].way;
+    return overlap + 2.0 * ways < -1e-9 * bodies->record[ball].radius && !scree_keeps_something(batch, index);
+}
+
+/* Bits of those lanes, which yield nothing. */
+static uint32_t idle_lanes(const struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
+                           const struct steady *s, struct scree_yield *yield, struct scree_moments *moments) {
+    uint32_t lanes = 0;
+    for (int k = 0; k < count; k++) {
+        if (!(s->b.overlap[k] < 0.0) || !is_idle(bodies, batch, first + k, s->b.overlap[k])) continue;
+        yield_nothing(yield, moments, k);
+        lanes |= (uint32_t)1 << k;
+    }
     return lanes;
 }
 
@@ -331,5 +362,5 @@ uint32_t SCREE_PART(hold_steady)(const struct scree_contacts *contacts, const st
     if (!lanes) return 0;
     keep_steady(&s, batch, first, count, w.rubs, yield);
     if (contacts->measured) book_steady(&s, count, &w, yield);
-    return lanes;
+    return lanes | idle_lanes(bodies, batch, first, count, &s, yield, moments);
 }

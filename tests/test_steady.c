@@ -30,7 +30,7 @@ static struct count count_steady(scree_scene *scene) {
                 int first = batch->segment[s].first + done, count = left < SCREE_LANES ? left : SCREE_LANES;
                 uint32_t lanes =
                     contacts->loop->hold_steady(contacts, bodies, batch, first, count, step, &yield, &moments);
-                for (; lanes; lanes &= lanes - 1) found.steady++;
+                for (int k = 0; k < count; k++) found.steady += lanes >> k & 1 && yield.lasts[k] > 0.0;
             }
     }
     return found;
