@@ -32,9 +32,10 @@ static char *map_at_huge_page(size_t size) {
     return start + before;
 }
 
-/* An array that nearly fills a huge page has one. */
+/* An array that fills a huge page but for a 32nd has one. (By an eighth, 100,000 spheres took 401 bytes each instead of
+ * 397, and no less time.) */
 static struct front *map(size_t size) {
-    int nearly = size < HUGE_PAGE && HUGE_PAGE - size <= size / 8;
+    int nearly = size < HUGE_PAGE && HUGE_PAGE - size <= size / 32;
     size = nearly ? HUGE_PAGE : up_to(size, (size_t)sysconf(_SC_PAGESIZE));
     struct front *front = (struct front *)map_at_huge_page(size);
     if (!front) return NULL;
