@@ -536,10 +536,6 @@ int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodie
                              double step, const double gravity[3], double margin, struct scree_bodies *now,
                              int threads);
 
-/* Show in `now` where all balls are at its start. (Contacts that need it see to that of their own two.) */
-void scree_contacts_show(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                         const struct scree_bodies *now, double step, int threads);
-
 /* The first `count` bodies to its end, as scree_bodies_advance_by_moments. */
 void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct scree_bodies *bodies, int count,
                                        double time, double step, const double gravity[3], int threads);
