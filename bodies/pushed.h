@@ -7,8 +7,8 @@
  *   x + h/2 v + h^2/8 A_1 + h^2/12 (A_1 - A_2),  v + h/2 A_1 + 3/8 h (A_1 - A_2)
  *
  * which is what contacts need that hardly change (contact/steady.c). Its start, and accelerations if all goes on as in
- * the last two steps, are what other contacts ask for: they are shown when a contact does. In a bed at rest one of five
- * does, and what isn't written needn't go through the caches. */
+ * the last two steps, are what other contacts ask for: they are shown when a contact does. In a bed at rest one ball of
+ * fifteen is, and what isn't written needn't go through the caches. */
 #ifndef SCREE_BODIES_PUSHED_H
 #define SCREE_BODIES_PUSHED_H
 
