@@ -24,8 +24,9 @@ static inline double scree_ball_range(double speed, double inverse_mass, double 
 /* In place of its range: a ball whose start of the step hasn't been shown yet. */
 #define SCREE_NOT_SHOWN (-1.0)
 
-/* Another bound, looser and without roots; `sizes`: the sum, along the axes, of those of speed + inverse mass * (2 *
- * last + before) + step * gravity. */
+/* Of a ball whose impulse of the last step along the first axis was `last`, N s. The way is a looser bound than
+ * scree_ball_range, without roots; `sizes`: the sum, along the axes, of those of speed + inverse mass * (2 * last +
+ * before) + step * gravity, m/s. */
 static inline struct scree_glance scree_glance_of(double sizes, double step, double last) {
     return (struct scree_glance){(float)(2.0 * step * sizes), scree_trace_of(last)};
 }

@@ -5,6 +5,13 @@
 
 #include "contact/lane.h"
 
+/* Both bodies are balls, or one is frozen. */
+static inline int is_plain(const struct scree_bodies *bodies, const struct scree_ends *contact) {
+    enum scree_body_class ball = bodies->class[contact->ball], host = bodies->class[contact->host];
+    return (ball == SCREE_CLASS_BALL && host != SCREE_CLASS_GENERAL) ||
+           (ball == SCREE_CLASS_FIXED && host == SCREE_CLASS_BALL);
+}
+
 /* ---- gather ---- */
 
 /* Where contacts are, and what bodies do by themselves (scree_push; differences of ball and host where that is
@@ -256,6 +263,7 @@ static SCREE_INLINE struct vec turn_over(struct vec v, struct vec axis, double c
     return vec_axpy(vec_add(v, once), 1.0 / (1.0 + cosine), vec_cross(axis, once));
 }
 
+/* A contact to which nothing happens. */
 static inline void yield_nothing(struct scree_yield *yield, struct scree_moments *moments, int lane) {
     struct vec zero = {0.0, 0.0, 0.0};
     put(yield->impulse, lane, zero);

@@ -408,13 +408,6 @@ static int far_apart(const struct scree_bodies *now, const struct scree_batch *b
     return 1;
 }
 
-/* Both bodies are balls, or one is frozen. */
-static int is_plain(const struct scree_bodies *bodies, const struct scree_ends *contact) {
-    enum scree_body_class ball = bodies->class[contact->ball], host = bodies->class[contact->host];
-    return (ball == SCREE_CLASS_BALL && host != SCREE_CLASS_GENERAL) ||
-           (ball == SCREE_CLASS_FIXED && host == SCREE_CLASS_BALL);
-}
-
 /* Contacts of a batch in a step. */
 struct smooth_work {
     const struct scree_bodies *now;

@@ -293,16 +293,14 @@ static uint32_t steady_lanes(const struct scree_bodies *bodies, const struct scr
 }
 
 /* Nothing can happen to contacts in this step that are farther apart in its middle than bodies go, and of which nothing
- * is kept. (smooth.c comes to the same, once it knows where balls start from; it is told of those near the bound.) */
+ * is kept. (smooth.c comes to the same, once it knows where balls start from, which is within a quarter of their ways
+ * from there; those near the bound, or within rounding of it, are left to it.) */
 static inline int is_idle(const struct scree_bodies *bodies, const struct scree_batch *batch, int index,
                           double overlap) {
-    int ball = batch->ends[index].ball, host = batch->ends[index].host;
-    enum scree_body_class own = bodies->class[ball], other = bodies->class[host];
-    if ((own != SCREE_CLASS_BALL && own != SCREE_CLASS_FIXED) ||
-        (other != SCREE_CLASS_BALL && other != SCREE_CLASS_FIXED))
-        return 0;
-    double ways = (double)bodies->glance[ball].way + (double)bodies->glance[host].way;
-    return overlap + 2.0 * ways < -1e-9 * bodies->record[ball].radius && !scree_keeps_something(batch, index);
+    const struct scree_ends *ends = &batch->ends[index];
+    double ways = (double)bodies->glance[ends->ball].way + (double)bodies->glance[ends->host].way;
+    return is_plain(bodies, ends) && overlap + 2.0 * ways < -1e-9 * bodies->record[ends->ball].radius &&
+           !scree_keeps_something(batch, index);
 }
 
 /* Bits of those lanes, which yield nothing. */
