@@ -74,7 +74,7 @@ struct scree_past {
 
 /* What contacts that hardly change ask of the past of a ball, mostly: so small that it stays in the caches. */
 struct scree_glance {
-    float way;      /* a bound of the way that it makes in the step, m */
+    float way;      /* a bound of the way that it makes in the step, m; infinite of what is neither ball nor fixed */
     uint32_t trace; /* scree_trace_of its impulse of the last step along the first axis: if an impulse hasn't this one,
                        it isn't all that the ball has got */
 };
@@ -154,7 +154,8 @@ struct scree_bodies {
     struct scree_motion_value *moved; /* where each motion is at the instant being set; several bodies share a motion */
     unsigned char *calm;              /* how often it was seen at rest (contact/rest.h); NULL: none ever sleeps */
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
-    struct scree_glance *glance;      /* of balls */
+    struct scree_glance *glance;      /* likewise */
+    int some_driven;                  /* some bodies are neither balls nor fixed; likewise */
     struct scree_push *push;
     double (*moment)[4];      /* first moment of the step's impulses about its end, N s^2: contacts add to it */
     int periodic;             /* along some axis */

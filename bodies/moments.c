@@ -120,14 +120,18 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
                            double margin, struct scree_bodies *now) {
     int too_far = 0;
     now->push = bodies->push;
+    bodies->some_driven = 0;
     drive_to(bodies, time + step);
     for (int k = 0; k < bodies->count; k++) {
         if (bodies->class[k] == SCREE_CLASS_BALL) continue;
         scree_body_look_now(bodies, k, time, now);
-        if (bodies->class[k] == SCREE_CLASS_FIXED) { /* another order may have put it in the place of a ball */
+        bodies->glance[k] = (struct scree_glance){INFINITY, 0}; /* another order may have put it in the place of a ball */
+        if (bodies->class[k] == SCREE_CLASS_FIXED) {
+            bodies->glance[k].way = 0.0F;
             bodies->push[k] = (struct scree_push){{0.0}, {0.0}, {0.0}, {0.0}};
             continue;
         }
+        bodies->some_driven = 1;
         know(bodies, now, k, step, gravity, &bodies->past[k]);
         bodies->past[k].range = range_of(bodies, now, k, step);
         prepare_push(bodies, k, step);

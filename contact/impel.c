@@ -161,12 +161,27 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
     }
 }
 
+/* What steps have written in the place of the step before the last becomes the last. (A contact of which nothing is
+ * written has nothing in either.) */
+static void turn_past_over(struct scree_contacts *contacts) {
+    for (int b = 0; b < contacts->batches; b++) {
+        double **past = contacts->batch[b].past;
+        for (int m = 0; m < SCREE_PAST_STEP; m++) {
+            double *before = past[SCREE_PAST_STEP + m];
+            past[SCREE_PAST_STEP + m] = past[m];
+            past[m] = before;
+        }
+    }
+}
+
 int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                          double step, int threads, const struct scree_departure *go) {
     struct stride stride = {now};
     for (int k = 0; k < contacts->busy_batches; k++)
         impel_loose(contacts, bodies, now, &contacts->batch[contacts->busy[k]], step, threads);
-    return scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
+    int too_far = scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
+    turn_past_over(contacts);
+    return too_far;
 }
 
 /* One thread has a loop of its own: a parallel region takes longer than a few bodies, even with a team of one. */

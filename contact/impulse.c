@@ -323,9 +323,7 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
     put(moments->impulse, lane, vec_axpy(moment, m, middle.lean.force));
     put(moments->turn_ball, lane, vec_axpy(vec_cross(middle.arm, moment), m, middle.lean.turn_a));
     put(moments->turn_host, lane, vec_axpy(vec_cross(moment, host_arm), m, middle.lean.turn_b));
-    double before = place.batch->past[SCREE_PAST_DEPTH][place.index];
-    keep_past(place.batch, 1, place.index, past_of(place.batch, 0, place.index), before);
-    keep_past(place.batch, 0, place.index, impulse, rubs && vec_norm2(impulse) > 0.0 ? middle.overlap : 0.0);
+    keep_past(place.batch, 1, place.index, impulse, rubs && vec_norm2(impulse) > 0.0 ? middle.overlap : 0.0);
     yield->lost.normal[lane] = sum->lost;
     yield->lost.tangential[lane] = sum->rubbed;
 }
@@ -382,7 +380,7 @@ static struct vec expected_spin(const struct scree_bodies *bodies, int k) {
 
 /* The part of the step that is left where a contact begins in it: 1 in any other step. */
 static double part_left(const struct scree_bodies *bodies, struct place place, struct view middle, double step) {
-    if (vec_norm2(past_of(place.batch, 1, place.index)) > 0.0) return 1.0;
+    if (vec_norm2(past_of(place.batch, 0, place.index)) > 0.0) return 1.0;
     const struct scree_ends *contact = &place.batch->ends[place.index];
     struct vec ball = expected_velocity(bodies, contact->ball, step);
     struct vec host = expected_velocity(bodies, contact->host, step);

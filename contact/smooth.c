@@ -329,12 +329,9 @@ static void yield_smooth(struct smooth_block *s, int count, struct smooth_kind k
 static void keep_all(const struct scree_batch *batch, struct smooth_block *s, int first, int count, int turns,
                      struct scree_yield *yield) {
     for (int m = 0; m < (turns ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++) {
-        double *last = batch->past[m] + first, *before = batch->past[SCREE_PAST_STEP + m] + first;
+        double *to = batch->past[SCREE_PAST_STEP + m] + first;
         const double *now = m == SCREE_PAST_DEPTH ? s->depth : yield->impulse[m];
-        SMOOTH_LOOP({
-            before[k] = s->x.c.odd[k] > 0.0 ? before[k] : last[k];
-            last[k] = s->x.c.odd[k] > 0.0 ? last[k] : now[k] + 0.0; /* zeros have no sign */
-        })
+        SMOOTH_LOOP({ to[k] = s->x.c.odd[k] > 0.0 ? to[k] : now[k] + 0.0; /* zeros have no sign */ })
     }
     for (int m = 0; batch->kept[SCREE_KEPT_NORMAL] && m < 2; m++) {
         double *kept = batch->kept[SCREE_KEPT_NORMAL + m] + first;
@@ -367,10 +364,8 @@ static void hand_over(const struct scree_batch *batch, struct smooth_block *s, i
         yield->turn_ball[axis][lane] = turns ? from->turn_ball[axis][i] : 0.0;
         yield->turn_host[axis][lane] = turns ? from->turn_host[axis][i] : 0.0;
     }
-    for (int m = 0; m < (turns ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++) {
-        batch->past[SCREE_PAST_STEP + m][index] = batch->past[m][index];
-        batch->past[m][index] = (m == SCREE_PAST_DEPTH ? s->depth[i] : from->impulse[m][i]) + 0.0;
-    }
+    for (int m = 0; m < (turns ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++)
+        batch->past[SCREE_PAST_STEP + m][index] = (m == SCREE_PAST_DEPTH ? s->depth[i] : from->impulse[m][i]) + 0.0;
     yield->depth[lane] = from->depth[i];
     yield->steep[lane] = from->steep[i];
     yield->lasts[lane] = from->lasts[i];

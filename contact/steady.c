@@ -51,10 +51,13 @@ static inline int is_steady_law(const struct scree_normal_law *law) {
     return !law->reach && !law->memory && !law->bends && law->turns_smoothly;
 }
 
-/* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness. In the densest packing,
+/* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness (both times `times`, so that
+ * nothing need be divided). In the densest packing,
  * twelve neighbours each, with friction as stiff and as damped as the normal law, motion grows from 2 z w h = 0.64 on
  * at w h = 0.5, from 0.92 on at 0.3; without `relaxed`, by the modes of that packing, from about 0.1 on. */
-static SCREE_INLINE int is_tame(double damped, double stiff) { return (damped <= 0.5) & (stiff <= 0.2); }
+static SCREE_INLINE int is_tame(double damped, double stiff, double times) {
+    return (damped <= 0.5) & (stiff <= 0.2 * times);
+}
 
 /* By what the force in the middle differs from what the last two steps foretell, velocities there differ, too, and
  * dashpots make the difference less; so do those of the other contacts of both bodies. As if all of these did alike it
@@ -156,22 +159,21 @@ static int count_candidates(const struct scree_batch *batch, int first, int coun
     return (int)some;
 }
 
-static struct steady_work work_on(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                                  const struct scree_batch *batch, int first, double step) {
+/* (In place: a copy of what has just been written in other pieces would have to wait for it.) */
+static void work_on(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                    const struct scree_batch *batch, int first, double step, struct steady_work *w) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE, rubs = rule->friction >= 0;
-    struct steady_work w = {
-        .rule = rule,
-        .step = step,
-        .balls = balls,
-        .rubs = rubs,
-        .sizes = {balls && rubs && bodies->even > 0.0, bodies->even + bodies->even,
-                  bodies->spin[batch->ends[first].ball].limit},
-        .takes_roots =
-            scree_normal_laws[rule->normal]->takes_roots || (rubs && scree_friction_laws[rule->friction]->takes_roots),
-    };
-    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) w.pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
-    return w;
+    w->rule = rule;
+    w->step = step;
+    w->balls = balls;
+    w->rubs = rubs;
+    w->sizes.even = balls && rubs && bodies->even > 0.0;
+    w->sizes.radii = bodies->even + bodies->even;
+    w->sizes.limit = bodies->spin[batch->ends[first].ball].limit;
+    w->takes_roots =
+        scree_normal_laws[rule->normal]->takes_roots || (rubs && scree_friction_laws[rule->friction]->takes_roots);
+    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) w->pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
 }
 
 /* From the bodies in the middle of the step to how they meet and slide. */
@@ -216,14 +218,14 @@ static SCREE_INLINE void yield_steady(struct steady *s, int k, const struct stea
     double square = vec_norm2(j), stiff = step * step * give * 1.5 * b->reversible[k]; /* (w h)^2 d */
     double swing = most * stiff, damped = step * give * s->damping[k];
     double changes = vec_norm2(change) * d, bends = vec_norm2(bend) * (d * d);
-    int tame = is_tame(damped, stiff / d);
+    int tame = is_tame(damped, stiff, d);
     int steady = (d > 0.0) & (b->force[k] > 0.0) & (swing > 0.0) & (changes <= most * swing * square) &
                  (bends <= swing * swing * square) & tame;
     double straight = vec_dot(bend, n);
     struct vec aside = vec_axpy(bend, -straight, n);
     if (rubs) {
         double aside_give = 3.5 * give, dragged = step * aside_give * s->drag[k]; /* of balls */
-        tame = is_tame(dragged, step * step * aside_give * s->stiff[k]);
+        tame = is_tame(dragged, step * step * aside_give * s->stiff[k], 1.0);
         steady &= (s->is[k] > 0.0) & tame;
         aside = vec_scale(relaxed(dragged), aside);
     }
@@ -232,7 +234,7 @@ static SCREE_INLINE void yield_steady(struct steady *s, int k, const struct stea
     j = vec_axpy(vec_add(last, before), 25.0 / 24.0, bend);
     put(yield->impulse, k, j);
     put(moments->impulse, k, vec_scale(step, vec_axpy(vec_scale(0.5, j), -1.0 / 12.0, vec_sub(j, last))));
-    yield->depth[k] = d / limit_of(b, k, sizes);
+    yield->depth[k] = even ? d * (1.0 / sizes.limit) : d / limit_of(b, k, sizes);
     yield->steep[k] = 0.0;
     yield->lasts[k] = 1.0;
     if (!rubs) return;
@@ -275,20 +277,37 @@ static inline int has_others(const struct scree_bodies *bodies, int k, struct ve
     return all[0] != sign * own.x || all[1] != sign * own.y || all[2] != sign * own.z;
 }
 
-/* Bits of the steady lanes: of free balls, pushed by others too, and frozen bodies; whose slider hasn't slid. */
+/* What is left of the steady lanes if their sliders haven't slid. */
+static void drop_sliding(const unsigned char *slides, int count, struct steady *s) {
+    _Pragma("omp simd")
+    for (int k = 0; k < count; k++) s->is[k] = slides[k] ? 0.0 : s->is[k];
+}
+
+/* And if others push both bodies: free balls, that is, or frozen ones. */
+static void drop_lonely(const struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
+                        struct steady *s) {
+    const struct scree_ends *ends = batch->ends + first;
+    const struct scree_glance *glance = bodies->glance;
+    const double *last = batch->past[0] + first;
+    for (int k = 0; k < count; k++) {
+        uint32_t own = scree_trace_of(last[k]); /* of both signs */
+        if (!bodies->some_driven && glance[ends[k].ball].trace != own && glance[ends[k].host].trace != own) continue;
+        struct vec all = get_kept(batch->past, first + k);
+        if (!has_others(bodies, ends[k].ball, all, 1.0) || !has_others(bodies, ends[k].host, all, -1.0)) s->is[k] = 0.0;
+    }
+}
+
+/* Bits of the steady lanes. */
 static uint32_t steady_lanes(const struct scree_bodies *bodies, const struct scree_batch *batch, int first, int count,
                              struct steady *s) {
     uint32_t lanes = 0;
-    for (int k = 0; k < count; k++) {
-        const struct scree_ends *ends = &batch->ends[first + k];
-        struct vec last = get_kept(batch->past, first + k);
-        int slid = batch->slides ? batch->slides[first + k] : 0;
-        int steady = s->is[k] > 0.0 && !slid && has_others(bodies, ends->ball, last, 1.0) &&
-                     has_others(bodies, ends->host, last, -1.0);
-        s->is[k] = steady ? 1.0 : 0.0;
-        lanes |= (uint32_t)steady << k;
+    if (batch->slides) drop_sliding(batch->slides + first, count, s);
+    drop_lonely(bodies, batch, first, count, s);
+    _Pragma("omp simd reduction(| : lanes)")
+    for (int k = 0; k < SCREE_LANES; k++) {
+        s->is[k] = k < count ? s->is[k] : 0.0;
+        lanes |= s->is[k] > 0.0 ? (uint32_t)1 << k : 0;
     }
-    for (int k = count; k < padded(count); k++) s->is[k] = 0.0;
     return lanes;
 }
 
@@ -299,7 +318,7 @@ static inline int is_idle(const struct scree_bodies *bodies, const struct scree_
                           double overlap) {
     const struct scree_ends *ends = &batch->ends[index];
     double ways = (double)bodies->glance[ends->ball].way + (double)bodies->glance[ends->host].way;
-    return is_plain(bodies, ends) && overlap + 2.0 * ways < -1e-9 * bodies->record[ends->ball].radius &&
+    return overlap + 2.0 * ways < -1e-9 * bodies->record[ends->ball].radius &&
            !scree_keeps_something(batch, index);
 }
 
@@ -319,13 +338,10 @@ static uint32_t idle_lanes(const struct scree_bodies *bodies, const struct scree
 static void keep_steady(struct steady *s, const struct scree_batch *batch, int first, int count, int rubs,
                         const struct scree_yield *yield) {
     for (int m = 0; m < (rubs ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++) {
-        double *last = batch->past[m] + first, *before = batch->past[SCREE_PAST_STEP + m] + first;
+        double *to = batch->past[SCREE_PAST_STEP + m] + first;
         const double *now = m == SCREE_PAST_DEPTH ? s->b.overlap : yield->impulse[m];
         _Pragma("omp simd")
-        for (int k = 0; k < padded(count); k++) {
-            before[k] = s->is[k] > 0.0 ? last[k] : before[k];
-            last[k] = s->is[k] > 0.0 ? now[k] + 0.0 : last[k]; /* zeros have no sign */
-        }
+        for (int k = 0; k < padded(count); k++) to[k] = s->is[k] > 0.0 ? now[k] + 0.0 : to[k]; /* zeros have no sign */
     }
     for (int m = 0; rubs && m < 3; m++) {
         double *kept = batch->kept[m] + first;
@@ -348,7 +364,8 @@ uint32_t SCREE_PART(hold_steady)(const struct scree_contacts *contacts, const st
                                  struct scree_yield *yield, struct scree_moments *moments) {
     int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE;
     if ((!balls && batch->geometry != SCREE_BALL_PLANE) || contacts->substeps > 0) return 0;
-    struct steady_work w = work_on(contacts, bodies, batch, first, step);
+    struct steady_work w;
+    work_on(contacts, bodies, batch, first, step, &w);
     steady_pass *normal = normal_of(w.rule->normal), *slider = w.rubs ? slider_of(w.rule->friction) : NULL;
     if (!normal || (w.rubs && !slider) || !count_candidates(batch, first, count)) return 0;
     struct steady s;
