@@ -45,11 +45,21 @@ static void advance_one(struct scree_bodies *bodies, int index, double step, con
     scree_settle_past(&bodies->past[index], record);
 }
 
+/* The next body from k on that isn't a free ball, which most are: eight are passed by at once. The number of bodies if
+ * there is none. */
+static int next_other(const struct scree_bodies *bodies, int k) {
+    static const unsigned char balls[8] = {SCREE_CLASS_BALL, SCREE_CLASS_BALL, SCREE_CLASS_BALL, SCREE_CLASS_BALL,
+                                           SCREE_CLASS_BALL, SCREE_CLASS_BALL, SCREE_CLASS_BALL, SCREE_CLASS_BALL};
+    const unsigned char *class = bodies->class;
+    while (k + 8 <= bodies->count && memcmp(&class[k], balls, sizeof balls) == 0) k += 8;
+    while (k < bodies->count && class[k] == SCREE_CLASS_BALL) k++;
+    return k;
+}
+
 void scree_bodies_advance_by_moments(struct scree_bodies *bodies, double time, double step, const double gravity[3]) {
     drive_to(bodies, time + step);
-    for (int k = 0; k < bodies->count; k++)
-        if (bodies->class[k] != SCREE_CLASS_BALL && bodies->class[k] != SCREE_CLASS_FIXED)
-            advance_one(bodies, k, step, gravity);
+    for (int k = next_other(bodies, 0); k < bodies->count; k = next_other(bodies, k + 1))
+        if (bodies->class[k] != SCREE_CLASS_FIXED) advance_one(bodies, k, step, gravity);
 }
 
 /* Accelerations in the coming step that no contact causes; motions are at its end, `now` at its start. */
@@ -122,12 +132,11 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
     now->push = bodies->push;
     bodies->some_driven = 0;
     drive_to(bodies, time + step);
-    for (int k = 0; k < bodies->count; k++) {
-        if (bodies->class[k] == SCREE_CLASS_BALL) continue;
+    for (int k = next_other(bodies, 0); k < bodies->count; k = next_other(bodies, k + 1)) {
         scree_body_look_now(bodies, k, time, now);
-        bodies->glance[k] = (struct scree_glance){INFINITY, 0}; /* another order may have put it in the place of a ball */
+        /* Another order may have put it in the place of a ball. */
+        bodies->glance[k] = (struct scree_glance){bodies->class[k] == SCREE_CLASS_FIXED ? 0.0F : INFINITY, 0};
         if (bodies->class[k] == SCREE_CLASS_FIXED) {
-            bodies->glance[k].way = 0.0F;
             bodies->push[k] = (struct scree_push){{0.0}, {0.0}, {0.0}, {0.0}};
             continue;
         }
@@ -139,8 +148,8 @@ int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step
         memset(scree_attitude_of(bodies, k)->turn_moment, 0, sizeof scree_attitude_of(bodies, k)->turn_moment);
     }
     drive_to(bodies, time + 0.5 * step);
-    for (int k = 0; k < bodies->count; k++)
-        if (bodies->class[k] != SCREE_CLASS_BALL) too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);
+    for (int k = next_other(bodies, 0); k < bodies->count; k = next_other(bodies, k + 1))
+        too_far |= scree_body_look_ahead(bodies, k, step, gravity, margin);
     return too_far;
 }
 

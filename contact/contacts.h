@@ -85,7 +85,8 @@ static inline double scree_steepness(double impulse, double slope, double softne
 }
 
 /* What the pair-impulse method yields beside it, and keeps of each contact: the impulse of the last step, N s, and the
- * overlap (m) that its friction had on the mean, which tells the lever; then those of the step before. */
+ * overlap (m) that its friction had on the mean, which tells the lever; then those of the step before, in whose place a
+ * step writes its own. */
 enum { SCREE_PAST_DEPTH = 3, SCREE_PAST_STEP = 4, SCREE_PAST = 2 * SCREE_PAST_STEP };
 
 struct scree_moments {

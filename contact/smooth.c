@@ -331,7 +331,9 @@ static void keep_all(const struct scree_batch *batch, struct smooth_block *s, in
     for (int m = 0; m < (turns ? SCREE_PAST_STEP : SCREE_PAST_DEPTH); m++) {
         double *to = batch->past[SCREE_PAST_STEP + m] + first;
         const double *now = m == SCREE_PAST_DEPTH ? s->depth : yield->impulse[m];
-        SMOOTH_LOOP({ to[k] = s->x.c.odd[k] > 0.0 ? to[k] : now[k] + 0.0; /* zeros have no sign */ })
+        SMOOTH_LOOP({
+            to[k] = s->x.c.odd[k] > 0.0 ? to[k] : now[k] + 0.0; /* zeros have no sign */
+        })
     }
     for (int m = 0; batch->kept[SCREE_KEPT_NORMAL] && m < 2; m++) {
         double *kept = batch->kept[SCREE_KEPT_NORMAL + m] + first;

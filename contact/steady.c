@@ -51,10 +51,10 @@ static inline int is_steady_law(const struct scree_normal_law *law) {
     return !law->reach && !law->memory && !law->bends && law->turns_smoothly;
 }
 
-/* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness (both times `times`, so that
- * nothing need be divided). In the densest packing,
- * twelve neighbours each, with friction as stiff and as damped as the normal law, motion grows from 2 z w h = 0.64 on
- * at w h = 0.5, from 0.92 on at 0.3; without `relaxed`, by the modes of that packing, from about 0.1 on. */
+/* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness, that times `times`. In
+ * the densest packing, twelve neighbours each, with friction as stiff and as damped as the normal law, motion grows
+ * from 2 z w h = 0.64 on at w h = 0.5, from 0.92 on at 0.3; without `relaxed`, by the modes of that packing, from about
+ * 0.1 on. */
 static SCREE_INLINE int is_tame(double damped, double stiff, double times) {
     return (damped <= 0.5) & (stiff <= 0.2 * times);
 }
@@ -159,21 +159,22 @@ static int count_candidates(const struct scree_batch *batch, int first, int coun
     return (int)some;
 }
 
-/* (In place: a copy of what has just been written in other pieces would have to wait for it.) */
-static void work_on(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                    const struct scree_batch *batch, int first, double step, struct steady_work *w) {
+static struct steady_work work_on(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
+                                  const struct scree_batch *batch, int first, double step) {
     const struct scree_rule *rule = &contacts->rule[batch->rule];
     int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE, rubs = rule->friction >= 0;
-    w->rule = rule;
-    w->step = step;
-    w->balls = balls;
-    w->rubs = rubs;
-    w->sizes.even = balls && rubs && bodies->even > 0.0;
-    w->sizes.radii = bodies->even + bodies->even;
-    w->sizes.limit = bodies->spin[batch->ends[first].ball].limit;
-    w->takes_roots =
-        scree_normal_laws[rule->normal]->takes_roots || (rubs && scree_friction_laws[rule->friction]->takes_roots);
-    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) w->pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
+    struct steady_work w = {
+        .rule = rule,
+        .step = step,
+        .balls = balls,
+        .rubs = rubs,
+        .sizes = {balls && rubs && bodies->even > 0.0, bodies->even + bodies->even,
+                  bodies->spin[batch->ends[first].ball].limit},
+        .takes_roots =
+            scree_normal_laws[rule->normal]->takes_roots || (rubs && scree_friction_laws[rule->friction]->takes_roots),
+    };
+    for (int c = 0; c < SCREE_PAIR_COLUMNS; c++) w.pair[c] = batch->pair[c] + (batch->uniform ? 0 : first);
+    return w;
 }
 
 /* From the bodies in the middle of the step to how they meet and slide. */
@@ -318,8 +319,7 @@ static inline int is_idle(const struct scree_bodies *bodies, const struct scree_
                           double overlap) {
     const struct scree_ends *ends = &batch->ends[index];
     double ways = (double)bodies->glance[ends->ball].way + (double)bodies->glance[ends->host].way;
-    return overlap + 2.0 * ways < -1e-9 * bodies->record[ends->ball].radius &&
-           !scree_keeps_something(batch, index);
+    return overlap + 2.0 * ways < -1e-9 * bodies->record[ends->ball].radius && !scree_keeps_something(batch, index);
 }
 
 /* Bits of those lanes, which yield nothing. */
@@ -364,8 +364,7 @@ uint32_t SCREE_PART(hold_steady)(const struct scree_contacts *contacts, const st
                                  struct scree_yield *yield, struct scree_moments *moments) {
     int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE;
     if ((!balls && batch->geometry != SCREE_BALL_PLANE) || contacts->substeps > 0) return 0;
-    struct steady_work w;
-    work_on(contacts, bodies, batch, first, step, &w);
+    struct steady_work w = work_on(contacts, bodies, batch, first, step);
     steady_pass *normal = normal_of(w.rule->normal), *slider = w.rubs ? slider_of(w.rule->friction) : NULL;
     if (!normal || (w.rubs && !slider) || !count_candidates(batch, first, count)) return 0;
     struct steady s;
