@@ -520,6 +520,17 @@ static int march_some(const struct smooth_work *w, const int *lane, int count, i
     return odd;
 }
 
+/* Those that slide first: lanes that hold take fewer operations where none beside them slides. */
+static void sliding_first(const struct scree_batch *batch, int first, int *lane, int count) {
+    int slide = 0;
+    for (int i = 0; batch->slides && i < count; i++) {
+        if (!batch->slides[first + lane[i]]) continue;
+        int holds = lane[slide];
+        lane[slide++] = lane[i];
+        lane[i] = holds;
+    }
+}
+
 /* Of lanes those to which something can happen, into `acting`; the others have no yield, or are left to within.c: the
  * first ones of `lane`. Returns how many these are. */
 static int sort_out(const struct smooth_work *w, int *lane, int count, int *acting, int *acts,
@@ -543,6 +554,7 @@ int SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct sc
     int acting[SCREE_WINDOW * SCREE_LANES], acts;
     if (!are_smooth(&work)) return count;
     int odd = sort_out(&work, lane, count, acting, &acts, yield, moments);
+    sliding_first(batch, first, acting, acts);
     for (int done = 0, some; done < acts; done += some) {
         some = acts - done < SCREE_LANES ? acts - done : SCREE_LANES;
         odd += march_some(&work, &acting[done], some, &lane[odd], yield, moments);
