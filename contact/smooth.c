@@ -520,7 +520,7 @@ static int march_some(const struct smooth_work *w, const int *lane, int count, i
     return odd;
 }
 
-/* Those that slide first: lanes that hold take fewer operations where none beside them slides. */
+/* Lanes that slide come first: those that hold take fewer operations where none beside them slides. */
 static void sliding_first(const struct scree_batch *batch, int first, int *lane, int count) {
     int slide = 0;
     for (int i = 0; batch->slides && i < count; i++) {

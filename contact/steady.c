@@ -51,13 +51,10 @@ static inline int is_steady_law(const struct scree_normal_law *law) {
     return !law->reach && !law->memory && !law->bends && law->turns_smoothly;
 }
 
-/* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness, that times `times`. In
- * the densest packing, twelve neighbours each, with friction as stiff and as damped as the normal law, motion grows
- * from 2 z w h = 0.64 on at w h = 0.5, from 0.92 on at 0.3; without `relaxed`, by the modes of that packing, from about
- * 0.1 on. */
-static SCREE_INLINE int is_tame(double damped, double stiff, double times) {
-    return (damped <= 0.5) & (stiff <= 0.2 * times);
-}
+/* Which pairs are on the safe side, by 2 z w h of the damping and (w h)^2 of the stiffness. In the densest packing,
+ * twelve neighbours each, with friction as stiff and as damped as the normal law, motion grows from 2 z w h = 0.64 on
+ * at w h = 0.5, from 0.92 on at 0.3; without `relaxed`, by the modes of that packing, from about 0.1 on. */
+static SCREE_INLINE int is_tame(double damped, double stiff) { return (damped <= 0.5) & (stiff <= 0.2); }
 
 /* By what the force in the middle differs from what the last two steps foretell, velocities there differ, too, and
  * dashpots make the difference less; so do those of the other contacts of both bodies. As if all of these did alike it
@@ -219,14 +216,14 @@ static SCREE_INLINE void yield_steady(struct steady *s, int k, const struct stea
     double square = vec_norm2(j), stiff = step * step * give * 1.5 * b->reversible[k]; /* (w h)^2 d */
     double swing = most * stiff, damped = step * give * s->damping[k];
     double changes = vec_norm2(change) * d, bends = vec_norm2(bend) * (d * d);
-    int tame = is_tame(damped, stiff, d);
+    int tame = is_tame(damped, stiff / d);
     int steady = (d > 0.0) & (b->force[k] > 0.0) & (swing > 0.0) & (changes <= most * swing * square) &
                  (bends <= swing * swing * square) & tame;
     double straight = vec_dot(bend, n);
     struct vec aside = vec_axpy(bend, -straight, n);
     if (rubs) {
         double aside_give = 3.5 * give, dragged = step * aside_give * s->drag[k]; /* of balls */
-        tame = is_tame(dragged, step * step * aside_give * s->stiff[k], 1.0);
+        tame = is_tame(dragged, step * step * aside_give * s->stiff[k]);
         steady &= (s->is[k] > 0.0) & tame;
         aside = vec_scale(relaxed(dragged), aside);
     }
@@ -235,7 +232,7 @@ static SCREE_INLINE void yield_steady(struct steady *s, int k, const struct stea
     j = vec_axpy(vec_add(last, before), 25.0 / 24.0, bend);
     put(yield->impulse, k, j);
     put(moments->impulse, k, vec_scale(step, vec_axpy(vec_scale(0.5, j), -1.0 / 12.0, vec_sub(j, last))));
-    yield->depth[k] = even ? d * (1.0 / sizes.limit) : d / limit_of(b, k, sizes);
+    yield->depth[k] = d / limit_of(b, k, sizes);
     yield->steep[k] = 0.0;
     yield->lasts[k] = 1.0;
     if (!rubs) return;
