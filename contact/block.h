@@ -132,10 +132,10 @@ struct block {
     double snap[SCREE_LANES];        /* lost where bodies attach, J; only laws that reach beyond touch write it */
     double friction[3][SCREE_LANES]; /* N */
     double state[SCREE_LANES];       /* of friction, as kept */
-    /* Of sliders (slider.h): what they are, their trial force (N) with its size, and the share of it that slides. */
+    /* Of sliders (slider.h): what they are, and their trial force (N) with its size. */
     double k[SCREE_LANES], drag[SCREE_LANES], gone[SCREE_LANES], goes[SCREE_LANES], stays[SCREE_LANES];
     double holds[SCREE_LANES], slides[SCREE_LANES];
-    double trial[3][SCREE_LANES], size[SCREE_LANES], borne[SCREE_LANES];
+    double trial[3][SCREE_LANES], size[SCREE_LANES];
     double torque[3][SCREE_LANES]; /* of the rolling law on the ball, N m */
     double power[SCREE_LANES];     /* that it takes from the motion, W */
 };

@@ -3,7 +3,7 @@
  *   meet       normal and overlap
  *   slide      levers, tangential velocity; stretches turn with normal and bodies
  *   normal     the normal law
- *   friction   the friction law with its memory; a slider's in four passes
+ *   friction   the friction law with its memory; a slider's in three passes
  *   rolling    the rolling law with its memory, where there is one
  *   push       impulses on both bodies
  * Choices are made per batch, never per contact. This file is compiled once for each kind of processor

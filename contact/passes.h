@@ -162,19 +162,14 @@ static void try_sliders(struct block *b, int count, double *const *kept) {
     }
 }
 
-static void share_sliders(struct block *b, int count) {
-    _Pragma("omp simd")
-    for (int k = 0; k < padded(count); k++) b->borne[k] = scree_slider_share(b->slides[k], b->size[k]);
-}
-
 static void end_sliders(struct block *b, int count, double *const *kept) {
     _Pragma("omp simd")
     for (int k = 0; k < padded(count); k++) {
         struct scree_slider slider = {
             .gone = b->gone[k], .goes = b->goes[k], .stays = b->stays[k], .bears = {b->holds[k], 0.0}};
-        put_friction(
-            b, k, kept, 1,
-            scree_slider_end(slider, get(b->trial, k), b->size[k], b->borne[k], get_kept(kept, k), get(b->slip, k)));
+        double size = b->size[k], share = scree_slider_share(b->slides[k], size);
+        put_friction(b, k, kept, 1,
+                     scree_slider_end(slider, get(b->trial, k), size, share, get_kept(kept, k), get(b->slip, k)));
     }
 }
 
@@ -403,7 +398,6 @@ static void press(struct work *w, int first, int count, int events, struct block
     if (w->slides) {
         if (events & CHANGES) begin_stretches(b, count, step, w->kept);
         try_sliders(b, count, w->kept);
-        share_sliders(b, count);
         end_sliders(b, count, w->kept);
     }
     if (rule->rolling >= 0 && events & CHANGES && scree_rolling_laws[rule->rolling]->memory)
