@@ -156,14 +156,14 @@ static void note_slopes(const struct block *b, const struct scree_ends *own, int
  * are the first; the others come in the order of their places. Most are asked for several times so: to find out which
  * are new would cost more, in branches that a processor guesses wrong. What stays in the third cache isn't asked for,
  * unless another thread has written it: to write what others have copies of takes longer than to read it. */
-enum { BLOCKS_AHEAD = 2 };
+enum { BLOCKS_AHEAD = 2, ENDS_BEFORE = 2 * SCREE_LANES };
 
 static SCREE_INLINE void prefetch_record(const struct scree_bodies *bodies, int place) {
     scree_prefetch_line(bodies->record[place].x);
     scree_prefetch_line(bodies->record[place].impulse);
 }
 
-/* What a step needs of a body. (The contacts themselves, and paths, a processor asks for by itself.) */
+/* What a step needs of a body. (Paths a processor asks for by itself.) */
 static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int place) {
     prefetch_record(bodies, place);
     scree_prefetch_line(&bodies->spin[place]);
@@ -197,6 +197,7 @@ static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, c
     int from = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER, to = from + QUARTER;
     if (!trail->asked && to <= left) prefetch_bodies(bodies, &own[from], QUARTER);
     for (int slab = 0; slab < 2; slab++) prefetch_share(bodies, &trail->ask[slab], share[slab]);
+    SCREE_PREFETCH(own, from + ENDS_BEFORE, to + ENDS_BEFORE); /* who it is must be known before */
     if (!w->wants.remembers) return;
     for (int m = 0; m < 3; m++) SCREE_PREFETCH_TO_WRITE(w->kept[m], from, to);
     if (quarter == 0 && w->batch->slides)
