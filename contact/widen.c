@@ -230,16 +230,18 @@ static int name_lacking(const struct scree_contacts *contacts, const struct scre
     return batch->outer_count > 0 && lacking->segment > 0;
 }
 
-/* Of a slab's bodies from where they are: what they go, and what is left of it, adds up to no more than now. */
+/* A body that may go so far from where it is is one of those that stay. */
+static void widen_stay(const struct scree_bodies *bodies, int k, double left, struct scree_stay *stay) {
+    double x = bodies->record[k].x[bodies->order.axis[0]], reach = bodies->record[k].bound + fmax(left, 0.0);
+    stay->low = fmin(stay->low, x - reach);
+    stay->high = fmax(stay->high, x + reach);
+}
+
+/* Of a slab's bodies: what they go, and what is left of it, adds up to no more than now. */
 static struct scree_stay stay_of(const struct scree_contacts *contacts, const struct scree_bodies *bodies, int slab) {
     struct scree_stay stay = {HUGE_VAL, -HUGE_VAL};
-    for (int k = bodies->order.start[slab]; k < bodies->order.start[slab + 1]; k++) {
-        const struct scree_record *record = &bodies->record[k];
-        double x = record->x[bodies->order.axis[0]], left = left_by_outer(contacts, bodies, k);
-        double reach = record->bound + fmax(left, 0.0);
-        stay.low = fmin(stay.low, x - reach);
-        stay.high = fmax(stay.high, x + reach);
-    }
+    for (int k = bodies->order.start[slab]; k < bodies->order.start[slab + 1]; k++)
+        widen_stay(bodies, k, left_by_outer(contacts, bodies, k), &stay);
     return stay;
 }
 
@@ -324,10 +326,10 @@ int scree_contacts_extend(struct scree_contacts *contacts, struct scree_bodies *
     if (contacts->extended >= SCREE_MOST_EXTENDED) return 0;
     if (bodies->slab[k] < 0 || bodies->class[k] != SCREE_CLASS_BALL || bodies->periodic || bodies->flight) return 0;
     scree_find_stays(contacts, bodies);
-    int count = find_all_lacking(contacts, bodies, k, (double)contacts->spare[k] + more, lacking);
+    double left = (double)contacts->spare[k] + more;
+    int count = find_all_lacking(contacts, bodies, k, left, lacking);
     if (count < 0 || !has_room(contacts, bodies, 2 * count)) return 0;
-    contacts->stay[bodies->slab[k]].low -= more;
-    contacts->stay[bodies->slab[k]].high += more;
+    widen_stay(bodies, k, left, &contacts->stay[bodies->slab[k]]);
     contacts->extended++;
     for (int n = 0; n < count; n++) put_lacking(contacts, bodies, &lacking[n]);
     return scree_grant_more(contacts, bodies, k, more);
