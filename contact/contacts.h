@@ -667,9 +667,10 @@ struct scree_places {
 };
 
 /* From one piece of a slab's contacts of two balls to the next: by pair impulses bodies before place `prefetched`
- * have been asked for; so many contacts come behind the piece; the slab is next to another thread's. */
+ * have been asked for; so many contacts come behind the piece; the slab is next to another thread's; the step comes
+ * after `lap` others of its sweep. */
 struct scree_trail {
-    int prefetched, behind, at_border;
+    int prefetched, behind, at_border, lap;
     int asked;                  /* the bodies of the piece have been asked for, */
     struct scree_places ask[2]; /* and these of the slab and of the next one are to be, for the next piece */
 };

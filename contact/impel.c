@@ -105,10 +105,24 @@ static void add_block(struct scree_contacts *contacts, struct scree_bodies *bodi
     if (contacts->measured) scree_tally_losses(tally, &yield->lost, count);
 }
 
+/* What a step has written in the place of the step before the last becomes the last. (A contact of which nothing is
+ * written has nothing in either.) */
+static void turn_over(struct scree_batch *batch) {
+    double **past = batch->past;
+    for (int m = 0; m < SCREE_PAST_STEP; m++) {
+        double *before = past[SCREE_PAST_STEP + m];
+        past[SCREE_PAST_STEP + m] = past[m];
+        past[m] = before;
+    }
+}
+
 static void impel_segment(void *context, struct scree_contacts *contacts, struct scree_bodies *bodies,
                           const struct scree_batch *batch, int first, int all, double step, struct scree_tally *tally,
                           struct scree_trail *trail) {
     const struct stride *stride = context;
+    struct scree_batch own = *batch; /* in a sweep slabs are in several steps at once */
+    if (trail->lap % 2) turn_over(&own);
+    batch = &own;
     struct scree_yield yield[SCREE_WINDOW];
     struct scree_moments moments[SCREE_WINDOW];
     uint32_t odd[SCREE_WINDOW];
@@ -161,26 +175,14 @@ static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bo
     }
 }
 
-/* What steps have written in the place of the step before the last becomes the last. (A contact of which nothing is
- * written has nothing in either.) */
-static void turn_past_over(struct scree_contacts *contacts) {
-    for (int b = 0; b < contacts->batches; b++) {
-        double **past = contacts->batch[b].past;
-        for (int m = 0; m < SCREE_PAST_STEP; m++) {
-            double *before = past[SCREE_PAST_STEP + m];
-            past[SCREE_PAST_STEP + m] = past[m];
-            past[m] = before;
-        }
-    }
-}
-
 int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                          double step, int threads, const struct scree_departure *go) {
     struct stride stride = {now};
     for (int k = 0; k < contacts->busy_batches; k++)
         impel_loose(contacts, bodies, now, &contacts->batch[contacts->busy[k]], step, threads);
     int too_far = scree_contacts_by_slabs(contacts, bodies, step, threads, impel_segment, &stride, go);
-    turn_past_over(contacts);
+    int odd = contacts->sweep.steps == 0 && (!go || go->steps % 2); /* and all of them are through */
+    for (int b = 0; odd && b < contacts->batches; b++) turn_over(&contacts->batch[b]);
     return too_far;
 }
 

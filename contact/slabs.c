@@ -108,7 +108,7 @@ static void tell(struct scree_slabs *all, int slab, int own, int next) {
 /* ---- one slab ---- */
 
 /* Contacts of a slab, batch after batch: of two balls, or of what isn't one (a flank). */
-static void act_batches(const struct scree_slabs *all, int slab, int of_balls, struct scree_tally *tally) {
+static void act_batches(const struct scree_slabs *all, int slab, int of_balls, int lap, struct scree_tally *tally) {
     for (int k = 0; k < all->contacts->busy_batches; k++) {
         const struct scree_batch *batch = busy_batch(all, k);
         const struct scree_part *segment = &batch->segment[1 + slab];
@@ -117,7 +117,7 @@ static void act_batches(const struct scree_slabs *all, int slab, int of_balls, s
             scree_rest_act(all->contacts, all->bodies, batch, segment, all->step, tally);
         else
             all->work(all->argument, all->contacts, all->bodies, batch, segment->first, segment->count, all->step,
-                      tally, &(struct scree_trail){0});
+                      tally, &(struct scree_trail){.lap = lap});
     }
 }
 
@@ -143,13 +143,13 @@ static void look_ahead(const struct scree_gate *gate, int is_last, struct scree_
     ask[1] = (struct scree_places){next < 0 ? gate[1].first_next : next + 1, gate[1].last_next + 1};
 }
 
-static void act_strips(struct scree_slabs *all, int slab, int at_border, const unsigned char *lent,
+static void act_strips(struct scree_slabs *all, int slab, int lap, int at_border, const unsigned char *lent,
                        struct scree_tally *tally) {
     const int *start = &all->bodies->order.start[slab];
     const struct scree_batch *batch = balls_of(all, slab);
     const struct scree_part none = {0}, *segment = batch ? &batch->segment[1 + slab] : &none;
     const struct scree_gate *gate = all->contacts->gate[slab];
-    struct scree_trail trail = {.at_border = at_border};
+    struct scree_trail trail = {.at_border = at_border, .lap = lap};
     int from = segment->first, returned = start[1];
     if (!all->contacts->gated[slab]) find_gates(all, slab);
     for (int place = start[0], to; place < start[1]; place = to, gate++) {
@@ -172,9 +172,10 @@ static void act_strips(struct scree_slabs *all, int slab, int at_border, const u
     }
 }
 
-static void act_whole(const struct scree_slabs *all, int slab, const unsigned char *lent, struct scree_tally *tally) {
+static void act_whole(const struct scree_slabs *all, int slab, int lap, const unsigned char *lent,
+                      struct scree_tally *tally) {
     const int *start = &all->bodies->order.start[slab];
-    act_batches(all, slab, 1, tally);
+    act_batches(all, slab, 1, lap, tally);
     move_up(all, start[0], start[1], lent, 0, tally);
     if (scree_ends_stretch(all, slab)) move_up(all, start[1], start[2], all->contacts->lent, 1, tally);
 }
@@ -192,12 +193,12 @@ void scree_begin_tallies(struct scree_contacts *contacts, int slabs, int lap) {
 void scree_act_slab(struct scree_slabs *all, int slab, int lap, int at_border) {
     struct scree_tally *tally = &all->contacts->tally[lap][1 + slab];
     const unsigned char *lent = slab > 0 && scree_begins_stretch(slab) ? all->contacts->lent : NULL;
-    if (scree_begins_stretch(slab)) act_batches(all, slab, 0, tally);
-    if (slab + 1 < all->slabs && !scree_begins_stretch(slab + 1)) act_batches(all, slab + 1, 0, tally);
+    if (scree_begins_stretch(slab)) act_batches(all, slab, 0, lap, tally);
+    if (slab + 1 < all->slabs && !scree_begins_stretch(slab + 1)) act_batches(all, slab + 1, 0, lap, tally);
     if (goes_whole(all))
-        act_whole(all, slab, lent, tally);
+        act_whole(all, slab, lap, lent, tally);
     else
-        act_strips(all, slab, at_border, lent, tally);
+        act_strips(all, slab, lap, at_border, lent, tally);
     tell(all, slab, INT_MAX, INT_MAX);
     atomic_store(&all->state[slab], DONE);
 }
@@ -355,6 +356,7 @@ static int step_slabs(struct scree_slabs *all, int threads) {
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go) {
     int slabs = bodies->order.slabs, steps = go ? go->steps : 1;
+    contacts->sweep.told = steps;
     if (!slabs) return 0;
     struct scree_front
         front[SCREE_SLABS]; /* as many as there are slabs are set: to clear all takes as long as some contacts */

@@ -226,6 +226,8 @@ static scree_status keep_order(scree_scene *scene) {
     return scree_contacts_keep_order(&scene->contacts, &scene->bodies, threads_of(scene), &scene->trouble);
 }
 
+static int goes_by_impulses(const scree_scene *scene) { return scene->time.integrator == SCREE_PAIR_IMPULSE; }
+
 /* Bring the records to the middle of the step; members of slabs that are there already stay. Nonzero: lists must be
  * looked at. */
 static int look_ahead(scree_scene *scene, const double gravity[3]) {
@@ -233,9 +235,22 @@ static int look_ahead(scree_scene *scene, const double gravity[3]) {
     if (scene->waits) return 1;
     int count = scene->ahead ? bodies->order.members : bodies->count, too_far = scene->ahead && scene->too_far;
     scene->ahead = 0;
+    if (goes_by_impulses(scene))
+        return too_far | scene->contacts.broken |
+               scree_contacts_look_both(&scene->contacts, bodies, count, scree_scene_time(scene), scene->step, gravity,
+                                        0.5 * scene->contacts.skin, &scene->shadow, threads_of(scene));
     too_far |= scene->contacts.broken | scree_flights_over(&scene->contacts);
     return too_far | scree_bodies_look_ahead(bodies, count, scree_scene_time(scene), scene->step, gravity,
                                              0.5 * scene->contacts.skin);
+}
+
+/* Contacts, and members of slabs behind them. Returns whether one of these has outgrown its margin. */
+static int act(scree_scene *scene, const struct scree_departure *go) {
+    struct scree_bodies *bodies = &scene->bodies, *now = &scene->shadow;
+    struct scree_contacts *contacts = &scene->contacts;
+    int threads = threads_of(scene);
+    return goes_by_impulses(scene) ? scree_contacts_impel(contacts, bodies, now, scene->step, threads, go)
+                                   : scree_contacts_act(contacts, bodies, scene->step, threads, go);
 }
 
 /* Contacts, and then bodies: members of slabs move on while they are at hand, as far as the middle of the next step if
@@ -244,8 +259,10 @@ static scree_status act_and_advance(scree_scene *scene, const double gravity[3],
     struct scree_bodies *bodies = &scene->bodies;
     struct scree_contacts *contacts = &scene->contacts;
     double time = scree_scene_time(scene), step = scene->step;
-    struct scree_departure go = {
-        .step = step, .steps = steps, .ahead = contacts->sweep.steps ? contacts->sweep.ahead : more};
+    struct scree_departure go = {.step = step,
+                                 .steps = steps,
+                                 .ahead = contacts->sweep.steps ? contacts->sweep.ahead : more,
+                                 .by_moments = goes_by_impulses(scene)};
     int at_once = moves_at_once(scene);
     go.to_come = steps > 1 ? SCREE_SWEEP - 0.5 : 0.5; /* so that the next sweep needn't stop on its way */
     memcpy(go.gravity, gravity, sizeof go.gravity);
@@ -254,17 +271,21 @@ static scree_status act_and_advance(scree_scene *scene, const double gravity[3],
         scree_status status = contacts->sweep.steps ? renew_list(scene) : SCREE_OK;
         if (status) return status;
         go.margin = 0.5 * contacts->skin;
-        scene->too_far = scree_contacts_act(contacts, bodies, step, threads_of(scene), at_once ? &go : NULL);
+        scene->too_far = act(scene, at_once ? &go : NULL);
     } while (contacts->sweep.steps);
     scene->ahead = at_once && go.ahead;
     if (scene->time.energy) book_drives(scene, time);
-    scree_bodies_advance(bodies, at_once ? bodies->order.members : bodies->count, time, step, gravity);
+    int others = at_once ? bodies->order.members : bodies->count;
+    if (go.by_moments)
+        scree_contacts_advance_by_moments(contacts, bodies, others, time, step, gravity, threads_of(scene));
+    else
+        scree_bodies_advance(bodies, others, time, step, gravity);
     return SCREE_OK;
 }
 
 /* Not where each step has books of its own, or a gravity; nor where threads share the slabs. */
 static int may_sweep(const scree_scene *scene) {
-    return scene->time.integrator == SCREE_VERLET && threads_of(scene) == 1 && !scene->time.energy &&
+    return scene->time.integrator != SCREE_ADAPTIVE && threads_of(scene) == 1 && !scene->time.energy &&
            !scene->gravity.tilts;
 }
 
@@ -291,45 +312,21 @@ static int may_hurry(const scree_scene *scene, long next) {
            !(scene->time.sleep > 0.0 && scree_rest_is_look(next));
 }
 
-/* The same by pair impulses, which keep positions on the way, too. */
-static scree_status step_by_impulses(scree_scene *scene, int more) {
-    struct scree_bodies *bodies = &scene->bodies, *now = &scene->shadow;
-    double time = scree_scene_time(scene), step = scene->step;
-    struct scree_departure go = {.step = step, .steps = 1, .ahead = more, .to_come = 0.5, .by_moments = 1};
-    int looks = scene->ahead ? bodies->order.members : bodies->count;
-    int too_far = scene->waits || (scene->ahead && scene->too_far);
-    int at_once = moves_at_once(scene);
-    scree_gravity_at(scene, time + 0.5 * step, go.gravity);
-    scree_gravity_at(scene, (double)(scene->steps + 1) * step + 0.5 * step, go.next_gravity);
-    scene->ahead = 0;
-    if (!scene->waits)
-        too_far |= scree_contacts_look_both(&scene->contacts, bodies, looks, time, step, go.gravity,
-                                            0.5 * scene->contacts.skin, now, threads_of(scene));
-    scree_status status = keep_lists(scene, now, too_far | scene->contacts.broken);
-    scene->waits = status == SCREE_NO_MEMORY;
-    if (status) return status;
-    go.margin = 0.5 * scene->contacts.skin;
-    scene->too_far = scree_contacts_impel(&scene->contacts, bodies, now, step, threads_of(scene), at_once ? &go : NULL);
-    scene->ahead = at_once && more;
-    if (scene->time.energy) book_drives(scene, time);
-    scree_contacts_advance_by_moments(&scene->contacts, bodies, at_once ? bodies->order.members : bodies->count, time,
-                                      step, go.gravity, threads_of(scene));
-    scene->steps++;
-    return scree_check_depth(scene, scree_scene_time(scene));
-}
-
 static void wake_or_rest(scree_scene *scene, const double gravity[3]) {
     scree_rest_wake(&scene->contacts, &scene->bodies, scene->step, gravity, scene->ahead);
     if (scree_rest_is_look(scene->steps)) scree_rest_look(&scene->contacts, &scene->bodies, scene->step, gravity);
 }
 
-/* The same by Verlet's method: several steps in one sweep, if there are so many `left`. */
-static scree_status step_by_verlet(scree_scene *scene, long left) {
+/* By Verlet's method, or by pair impulses, which keep positions on the way, too: several steps in one sweep, if there
+ * are so many `left`. */
+static scree_status step_by_sweeps(scree_scene *scene, long left) {
     struct scree_contacts *contacts = &scene->contacts;
     scree_status status = SCREE_OK;
     double gravity[3];
     scree_gravity_at(scene, scree_scene_time(scene) + 0.5 * scene->step, gravity);
-    if (!contacts->sweep.steps) status = keep_lists(scene, &scene->bodies, look_ahead(scene, gravity));
+    if (!contacts->sweep.steps)
+        status =
+            keep_lists(scene, goes_by_impulses(scene) ? &scene->shadow : &scene->bodies, look_ahead(scene, gravity));
     if (!status) status = scree_rest_prepare(contacts, &scene->bodies, scene->step, &scene->trouble);
     int steps = status ? 0 : steps_of_sweep(scene, left);
     long end = scene->steps + steps;
@@ -344,7 +341,7 @@ static scree_status step_by_verlet(scree_scene *scene, long left) {
 
 /* A step, or some of those that are `left`. */
 static scree_status step_on(scree_scene *scene, long left) {
-    if (scene->contacts.sweep.steps) return step_by_verlet(scene, left); /* where it stopped on its way */
+    if (scene->contacts.sweep.steps) return step_by_sweeps(scene, left); /* where it stopped on its way */
     scree_status status = put_back(scene);
     if (!status) status = keep_order(scene);
     if (status) return status;
@@ -353,9 +350,7 @@ static scree_status step_on(scree_scene *scene, long left) {
         if (!status) scree_contacts_note_boxes(&scene->contacts, &scene->bodies);
         return status ? status : scree_check_depth(scene, scree_scene_time(scene));
     }
-    if (scene->time.integrator == SCREE_PAIR_IMPULSE)
-        return step_by_impulses(scene, left > 1 && may_hurry(scene, scene->steps + 1));
-    return step_by_verlet(scene, left);
+    return step_by_sweeps(scene, left);
 }
 
 scree_status scree_scene_step(scree_scene *scene, long steps) {

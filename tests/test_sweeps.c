@@ -100,9 +100,9 @@ static void test_same_bits(int mixed, const char *const *changes, int count) {
 }
 
 /* A state that is saved between sweeps goes on by others. */
-static void test_restored(void) {
+static void test_restored(const char *const *changes, int count) {
     char *text = trough_text(0);
-    scree_scene *scene = scene_of(text, NULL, 0, 1), *other = scene_of(text, NULL, 0, 1);
+    scree_scene *scene = scene_of(text, changes, count, 1), *other = scene_of(text, changes, count, 1);
     FILE *file = tmpfile();
     go(scene, 530);
     CHECK(scree_scene_save(scene, file, "memory") == SCREE_OK);
@@ -250,10 +250,13 @@ static void test_steps_in_sweep(void) {
 }
 
 int main(void) {
-    static const char *const dry[] = {"material.ball.young=1e7"};
+    static const char *const dry[] = {"material.ball.young=1e7"}, *const impulses[] = {
+                                                                      "time.integrator=\"pair-impulse\""};
     test_same_bits(0, NULL, 0);
     test_same_bits(1, dry, 1);
-    test_restored();
+    test_same_bits(0, impulses, 1);
+    test_restored(NULL, 0);
+    test_restored(impulses, 1);
     test_not_swept();
     test_shot(400, 1.0, 0);
     test_shot(400, 3.0, 0);
