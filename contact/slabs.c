@@ -356,8 +356,10 @@ static int step_slabs(struct scree_slabs *all, int threads) {
 int scree_contacts_by_slabs(struct scree_contacts *contacts, struct scree_bodies *bodies, double step, int threads,
                             scree_segment_work *work, void *argument, const struct scree_departure *go) {
     int slabs = bodies->order.slabs, steps = go ? go->steps : 1;
-    contacts->sweep.told = steps;
-    if (!slabs) return 0;
+    if (!slabs) {
+        contacts->sweep.told = steps; /* the sums hold what isn't of slabs already */
+        return 0;
+    }
     struct scree_front
         front[SCREE_SLABS]; /* as many as there are slabs are set: to clear all takes as long as some contacts */
     atomic_char state[SCREE_SLABS];

@@ -905,6 +905,7 @@ static void test_stops(void) {
     CONTAINS(trouble->text, "\"ball\" with \"wall\"");
     CONTAINS(trouble->text, "overlap");
     CHECK(trouble->time > 1e-4 && trouble->time < 0.01);
+    CHECK(trouble->time == scree_scene_time(scene)); /* the end of the step */
     CHECK(trouble->body == scree_scene_find_body(scene, "ball") &&
           trouble->other == scree_scene_find_body(scene, "wall"));
     scree_scene_destroy(scene);

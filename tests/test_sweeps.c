@@ -250,8 +250,8 @@ static void test_steps_in_sweep(void) {
 }
 
 int main(void) {
-    static const char *const dry[] = {"material.ball.young=1e7"}, *const impulses[] = {
-                                                                      "time.integrator=\"pair-impulse\""};
+    static const char *const dry[] = {"material.ball.young=1e7"};
+    static const char *const impulses[] = {"time.integrator=\"pair-impulse\""};
     test_same_bits(0, NULL, 0);
     test_same_bits(1, dry, 1);
     test_same_bits(0, impulses, 1);
