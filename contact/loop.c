@@ -163,10 +163,14 @@ static SCREE_INLINE void prefetch_record(const struct scree_bodies *bodies, int 
     scree_prefetch_line(bodies->record[place].impulse);
 }
 
-/* What a step needs of a body. (Paths a processor asks for by itself.) */
-static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int place) {
+/* What contacts need of a body; what it needs to move on. (Paths a processor asks for by itself.) */
+static SCREE_INLINE void prefetch_motion(const struct scree_bodies *bodies, int place) {
     prefetch_record(bodies, place);
     scree_prefetch_line(&bodies->spin[place]);
+}
+
+static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int place) {
+    prefetch_motion(bodies, place);
     scree_prefetch_line(&bodies->state[place]);
 }
 
@@ -183,8 +187,15 @@ static int share_of(struct scree_places ask, int count) {
     return ask.from < ask.to ? (ask.to - ask.from + quarters - 1) / quarters : 0;
 }
 
-static SCREE_INLINE void prefetch_share(const struct scree_bodies *bodies, struct scree_places *ask, int share) {
-    for (int left = share; left > 0 && ask->from < ask->to; left--) prefetch_body(bodies, ask->from++);
+/* `own`: of the slab itself, which move on in it; those of the next one do so later. */
+static SCREE_INLINE void prefetch_share(const struct scree_bodies *bodies, struct scree_places *ask, int share,
+                                        int own) {
+    int end = ask->from + share < ask->to ? ask->from + share : ask->to;
+    for (; ask->from < end; ask->from++)
+        if (own)
+            prefetch_body(bodies, ask->from);
+        else
+            prefetch_motion(bodies, ask->from);
 }
 
 /* For a quarter of a block at a time: at once it would wait in a queue, and the passes behind it. `left`: contacts from
@@ -196,7 +207,8 @@ static SCREE_INLINE void prefetch_ahead(const struct scree_contacts *contacts, c
     if (bodies->count < contacts->cached && !trail->at_border) return;
     int from = BLOCKS_AHEAD * SCREE_LANES + quarter * QUARTER, to = from + QUARTER;
     if (!trail->asked && to <= left) prefetch_bodies(bodies, &own[from], QUARTER);
-    for (int slab = 0; slab < 2; slab++) prefetch_share(bodies, &trail->ask[slab], share[slab]);
+    prefetch_share(bodies, &trail->ask[0], share[0], 1);
+    prefetch_share(bodies, &trail->ask[1], share[1], 0);
     SCREE_PREFETCH(own, from + ENDS_BEFORE, to + ENDS_BEFORE); /* who it is must be known before */
     if (!w->wants.remembers) return;
     for (int m = 0; m < 3; m++) SCREE_PREFETCH_TO_WRITE(w->kept[m], from, to);
