@@ -114,10 +114,11 @@ struct scree_part {
 /* A slab has so many strips at most, of so many bodies at least (slabs.c). */
 enum { SCREE_STRIPS = 24, SCREE_LEAST_STRIP = 96 };
 
-/* What a slab's contacts touch up to the end of a strip: the last place in the slab, and the last one in the next slab
- * (-1: none); and the first place in the next slab that those from this strip on touch (INT_MAX: none). */
+/* How many contacts a slab has up to the end of a strip, and what they touch: the last place in the slab, and the last
+ * one in the next slab (-1: none); and the first place in the next slab that those from this strip on touch (INT_MAX:
+ * none). */
 struct scree_gate {
-    int last_own, last_next, first_next;
+    int contacts, last_own, last_next, first_next;
 };
 
 /* Steps that slabs go through in one sweep, at most (sweep.c). */

@@ -69,14 +69,15 @@ static const struct scree_batch *balls_of(const struct scree_slabs *all, int sla
 static void find_gates(const struct scree_slabs *all, int slab) {
     const int *start = &all->bodies->order.start[slab];
     const struct scree_batch *batch = balls_of(all, slab);
-    struct scree_gate *gate = all->contacts->gate[slab], so_far = {-1, -1, INT_MAX};
-    int strips = 0, from = batch ? batch->segment[1 + slab].first : 0;
+    struct scree_gate *gate = all->contacts->gate[slab], so_far = {0, -1, -1, INT_MAX};
+    int strips = 0, first = batch ? batch->segment[1 + slab].first : 0, from = first;
     for (int place = start[0]; place < start[1]; strips++) {
         place = end_of_strip(all, slab, place);
         so_far.first_next = INT_MAX;
         if (place - 1 > so_far.last_own) so_far.last_own = place - 1; /* the strip's bodies move on */
         int to = batch ? end_of_piece(batch, &batch->segment[1 + slab], from, place) : from;
         widen_gate(batch, from, to, start[1], &so_far);
+        so_far.contacts = to - first;
         gate[strips] = so_far;
         from = to;
     }
@@ -154,7 +155,7 @@ static void act_strips(struct scree_slabs *all, int slab, int lap, int at_border
     if (!all->contacts->gated[slab]) find_gates(all, slab);
     for (int place = start[0], to; place < start[1]; place = to, gate++) {
         to = end_of_strip(all, slab, place);
-        int next = batch ? end_of_piece(batch, segment, from, to) : from;
+        int next = segment->first + gate->contacts;
         int first_next = to < start[1] ? gate[1].first_next : INT_MAX;
         trail.behind = segment->first + segment->count - next;
         int looks = all->team < 2 && next > from;
