@@ -1,6 +1,7 @@
 #!/bin/sh
 # Scenes of many spheres, run in turn by scree and by whatever else is installed, all from the same positions and velocities, one
-# thread each; nanoseconds per sphere and step, and what the states are like afterwards.
+# thread each; nanoseconds per sphere and step, and what the states are like afterwards. All run on one processor, the first
+# that this shell may use: others of a virtual machine may be shared with somebody, and half as fast.
 usage='usage: peers.sh BUILD SCENE [ROUNDS [STEPS [STATE [PROGRAM...]]]]
 
 BUILD   a build folder of scree
@@ -34,6 +35,8 @@ start=start.csv
 here=$(realpath "$(dirname "$0")")
 scree=$build/scree look=$build/bench/scree-bench
 export OMP_NUM_THREADS=1 LC_ALL=C
+pin=
+command -v taskset >/dev/null && pin="taskset -c $(taskset -cp $$ | sed 's/.*: //; s/[-,].*//')"
 case $scene in
 bed) kind=bed count=10000 length=0.04 time=0.3 ;;
 bed-large) kind=bed count=100000 length=0.16 time=0.25 ;;
@@ -95,22 +98,22 @@ seconds_of() {
     scree)
         step=$(sed -n 's/^step = //p' $kind.toml)
         # shellcheck disable=SC2046
-        "$scree" run $kind.toml -o scree_run $(sizes) --set "time.end=$(awk "BEGIN { printf \"%.17g\", $step * $steps }")" 2>scree.log
+        $pin "$scree" run $kind.toml -o scree_run $(sizes) --set "time.end=$(awk "BEGIN { printf \"%.17g\", $step * $steps }")" 2>scree.log
         sed 's/^[^,]*,//; s/,[^,]*$//' scree_run/spheres.csv >final_scree.csv
         sed -n 's/^[0-9]* steps of .* in \(.*\) s (.*/\1/p' scree.log
         ;;
     lammps)
-        lmp -in "$here/$kind.lammps" -sf none -log none -var data spheres.data -var length $length -var steps "$steps" -var out lammps.dump >lammps.log 2>&1
+        $pin lmp -in "$here/$kind.lammps" -sf none -log none -var data spheres.data -var length $length -var steps "$steps" -var out lammps.dump >lammps.log 2>&1
         awk -f "$here/from_dump.awk" lammps.dump >final_lammps.csv
         sed -n 's/^Loop time of \([^ ]*\) .*/\1/p' lammps.log | head -n 1
         ;;
     liggghts)
-        liggghts -in "$here/$kind.liggghts" -log none -var data spheres.data -var length $length -var steps "$steps" -var out liggghts.dump >liggghts.log 2>&1
+        $pin liggghts -in "$here/$kind.liggghts" -log none -var data spheres.data -var length $length -var steps "$steps" -var out liggghts.dump >liggghts.log 2>&1
         awk -f "$here/from_dump.awk" liggghts.dump >final_liggghts.csv
         sed -n 's/^Loop time of \([^ ]*\) .*/\1/p' liggghts.log | head -n 1
         ;;
     yade)
-        SPHERES=spheres.csv LENGTH=$length STEPS=$steps OUT=final_yade.csv yade -x -n -j1 "$here/${kind}_yade.py" >yade.log 2>&1
+        SPHERES=spheres.csv LENGTH=$length STEPS=$steps OUT=final_yade.csv $pin yade -x -n -j1 "$here/${kind}_yade.py" >yade.log 2>&1
         sed -n 's/^Loop time of //p' yade.log
         ;;
     esac
