@@ -163,12 +163,13 @@ static SCREE_INLINE void prefetch_record(const struct scree_bodies *bodies, int 
     scree_prefetch_line(bodies->record[place].impulse);
 }
 
-/* What contacts need of a body; what it needs to move on. (Paths a processor asks for by itself.) */
+/* What contacts need of a body. */
 static SCREE_INLINE void prefetch_motion(const struct scree_bodies *bodies, int place) {
     prefetch_record(bodies, place);
     scree_prefetch_line(&bodies->spin[place]);
 }
 
+/* And what it needs to move on. (Paths a processor asks for by itself.) */
 static SCREE_INLINE void prefetch_body(const struct scree_bodies *bodies, int place) {
     prefetch_motion(bodies, place);
     scree_prefetch_line(&bodies->state[place]);
