@@ -59,7 +59,6 @@ void scree_bodies_destroy(struct scree_bodies *bodies) {
     scree_memory_free(bodies->past);
     scree_memory_free(bodies->glance);
     scree_memory_free(bodies->calm);
-    scree_memory_free(bodies->push);
     scree_memory_free(bodies->moment);
     *bodies = (struct scree_bodies){0};
 }
@@ -214,9 +213,8 @@ scree_status scree_bodies_finish(struct scree_bodies *bodies, scree_body_def (*d
 scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *trouble) {
     bodies->past = zeroed((size_t)bodies->count, sizeof *bodies->past);
     bodies->glance = zeroed((size_t)bodies->count, sizeof *bodies->glance);
-    bodies->push = zeroed((size_t)bodies->count, sizeof *bodies->push);
     bodies->moment = zeroed((size_t)bodies->count, sizeof *bodies->moment);
-    if (bodies->past && bodies->glance && bodies->push && bodies->moment) return SCREE_OK;
+    if (bodies->past && bodies->glance && bodies->moment) return SCREE_OK;
     return scree_report(trouble, SCREE_NO_MEMORY, NULL, "no memory for the past of %d bodies", bodies->count);
 }
 

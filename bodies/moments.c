@@ -108,42 +108,38 @@ static double range_of(const struct scree_bodies *bodies, const struct scree_bod
     return 2.0 * step * (along + around * reach);
 }
 
-/* What pairs read of the past. */
-static void prepare_push(const struct scree_bodies *bodies, int index, double step) {
+struct scree_push scree_body_push(const struct scree_bodies *bodies, int index, double step) {
+    struct scree_push push = {{0.0}, {0.0}, {0.0}, {0.0}};
+    if (bodies->class[index] == SCREE_CLASS_FIXED) return push;
     const struct scree_past *past = &bodies->past[index];
-    struct scree_push *push = &bodies->push[index];
     const double *mass = scree_kind_of(bodies, index)->inertia.inverse_mass,
                  moment = scree_kind_of(bodies, index)->inertia.inverse_moments[0];
     for (int k = 0; k < 3; k++) {
-        push->along[k] = past->known[k] + mass[k] * past->impulse[0][k] / step;
-        push->more[k] = mass[k] * (past->impulse[0][k] - past->impulse[1][k]) / step;
-        push->turn[k] = moment * past->turn[0][k] / step;
-        push->turn_more[k] = moment * (past->turn[0][k] - past->turn[1][k]) / step;
-        bodies->moment[index][k] = 0.0;
+        push.along[k] = past->known[k] + mass[k] * past->impulse[0][k] / step;
+        push.more[k] = mass[k] * (past->impulse[0][k] - past->impulse[1][k]) / step;
+        push.turn[k] = moment * past->turn[0][k] / step;
+        push.turn_more[k] = moment * (past->turn[0][k] - past->turn[1][k]) / step;
     }
-    push->along[3] = past->range;
-    push->more[3] = 1.0;
-    push->turn[3] = moment;
+    push.along[3] = past->range;
+    push.more[3] = 1.0;
+    push.turn[3] = moment;
+    return push;
 }
 
 int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                            double margin, struct scree_bodies *now) {
     int too_far = 0;
-    now->push = bodies->push;
     bodies->some_driven = 0;
     drive_to(bodies, time + step);
     for (int k = next_other(bodies, 0); k < bodies->count; k = next_other(bodies, k + 1)) {
         scree_body_look_now(bodies, k, time, now);
         /* Another order may have put it in the place of a ball. */
         bodies->glance[k] = (struct scree_glance){bodies->class[k] == SCREE_CLASS_FIXED ? 0.0F : INFINITY, 0};
-        if (bodies->class[k] == SCREE_CLASS_FIXED) {
-            bodies->push[k] = (struct scree_push){{0.0}, {0.0}, {0.0}, {0.0}};
-            continue;
-        }
+        if (bodies->class[k] == SCREE_CLASS_FIXED) continue;
         bodies->some_driven = 1;
         know(bodies, now, k, step, gravity, &bodies->past[k]);
         bodies->past[k].range = range_of(bodies, now, k, step);
-        prepare_push(bodies, k, step);
+        memset(bodies->moment[k], 0, sizeof bodies->moment[k]);
         if (scree_kind_of(bodies, k)->slot < 0) continue;
         memset(scree_attitude_of(bodies, k)->turn_moment, 0, sizeof scree_attitude_of(bodies, k)->turn_moment);
     }

@@ -7,8 +7,7 @@
  *   x + h/2 v + h^2/8 A_1 + h^2/12 (A_1 - A_2),  v + h/2 A_1 + 3/8 h (A_1 - A_2)
  *
  * which is what contacts need that hardly change (contact/steady.c). Its start, and accelerations if all goes on as in
- * the last two steps, are what other contacts ask for: they are shown when a contact does. In a bed at rest one ball of
- * fifteen is, and what isn't written needn't go through the caches. */
+ * the last two steps, are what other contacts ask for: they are shown when a contact does, and kept nowhere. */
 #ifndef SCREE_BODIES_PUSHED_H
 #define SCREE_BODIES_PUSHED_H
 
@@ -21,8 +20,12 @@ static inline double scree_ball_range(double speed, double inverse_mass, double 
     return 2.0 * step * (speed + inverse_mass * (2.0 * last + before) + step * fall);
 }
 
-/* In place of its range: a ball whose start of the step hasn't been shown yet. */
-#define SCREE_NOT_SHOWN (-1.0)
+static inline double scree_ball_range_of(const struct scree_bodies *bodies, int index, double step) {
+    const struct scree_past *past = &bodies->past[index];
+    return scree_ball_range(vec_norm(vec_from(bodies->state[index].v)), bodies->record[index].inverse_mass,
+                            vec_norm(vec_from(past->impulse[0])), vec_norm(vec_from(past->impulse[1])),
+                            vec_norm(vec_from(past->known)), step);
+}
 
 /* Of a ball whose impulse of the last step along the first axis was `last`, N s. The way is a looser bound than
  * scree_ball_range, without roots; `sizes`: the sum, along the axes, of those of speed + inverse mass * (2 * last +
@@ -86,29 +89,26 @@ static inline double scree_ball_foresee(struct scree_record *record, struct scre
     return square[0] + square[1] + square[2];
 }
 
-/* Let the start of the step be known, into `now`, and what goes on as in the last two steps. */
+/* The start of the step, and what goes on as in the last two steps. Of `start` what contacts read is set. */
 static inline void scree_ball_show(const struct scree_bodies *bodies, int index, double step,
-                                   const struct scree_bodies *now) {
+                                   struct scree_record *start, struct scree_spin *spin, struct scree_push *push) {
     const struct scree_record *record = &bodies->record[index];
-    struct scree_record *start = &now->record[index];
-    struct scree_past *past = &bodies->past[index];
-    struct scree_push *push = &bodies->push[index];
+    const struct scree_past *past = &bodies->past[index];
     struct scree_ball_rows rows = scree_ball_rows(&bodies->state[index], bodies->position[index]);
     struct scree_ball_past p = scree_ball_past_of(past);
     const scree_row steps = {step, step, step, step}, gravity = scree_row_of(past->known);
     scree_row rate = (scree_row){record->inverse_mass, record->inverse_moment, 0.0, 0.0} / steps;
     *(scree_row *)start->x = scree_row_with(rows.x, record->radius);
     *(scree_row *)start->v = scree_row_with(rows.v, record->inverse_mass);
-    *(scree_row *)now->spin[index].w =
-        scree_row_with(scree_row_times(record->inverse_moment, rows.l), bodies->spin[index].limit);
+    *(scree_row *)spin->w = scree_row_with(scree_row_times(record->inverse_moment, rows.l), bodies->spin[index].limit);
     *(scree_row *)push->more = scree_row_with(scree_row_times(rate[0], p.impulse - p.impulse_before), 0.0);
     *(scree_row *)push->turn = scree_row_with(scree_row_times(rate[1], p.turn), record->inverse_moment);
     *(scree_row *)push->turn_more = scree_row_with(scree_row_times(rate[1], p.turn - p.turn_before), 0.0);
     scree_row square = {scree_row_square(rows.v), scree_row_square(p.impulse), scree_row_square(p.impulse_before),
                         scree_row_square(gravity)};
     scree_row size = scree_row_root(square);
-    past->range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], size[3], step);
-    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.impulse), past->range);
+    double range = scree_ball_range(size[0], record->inverse_mass, size[1], size[2], size[3], step);
+    *(scree_row *)push->along = scree_row_with(gravity + scree_row_times(rate[0], p.impulse), range);
 }
 
 /* To the middle of the step. Nonzero if the path has outgrown the margin. */
@@ -121,7 +121,7 @@ static inline int scree_ball_look_on(struct scree_bodies *bodies, int index, str
         scree_row_times(bodies->record[index].inverse_mass,
                         scree_row_times(2.0, scree_row_size(p.impulse)) + scree_row_size(p.impulse_before)) +
         scree_row_times(step, scree_row_size(gravity));
-    *(scree_row *)bodies->past[index].known = scree_row_with(gravity, SCREE_NOT_SHOWN);
+    *(scree_row *)bodies->past[index].known = gravity;
     bodies->glance[index] = scree_glance_of(size[0] + size[1] + size[2], step, p.impulse[0]);
     double square = scree_ball_foresee(&bodies->record[index], &bodies->spin[index], rows, p, step, gravity,
                                        scree_flight_row(bodies, index));
@@ -175,8 +175,6 @@ static inline int scree_ball_move_by_moments(struct scree_bodies *bodies, int in
 
 #else
 /* Number by number: the same bits. */
-static inline double scree_size_of(const double a[3]) { return vec_norm(vec_from(a)); }
-
 static inline double scree_ball_foresee(struct scree_bodies *bodies, int index, double step, scree_row gravity,
                                         const float *flight) {
     struct scree_record *record = &bodies->record[index];
@@ -199,17 +197,15 @@ static inline double scree_ball_foresee(struct scree_bodies *bodies, int index, 
 }
 
 static inline void scree_ball_show(const struct scree_bodies *bodies, int index, double step,
-                                   const struct scree_bodies *now) {
+                                   struct scree_record *start, struct scree_spin *spin, struct scree_push *push) {
     const struct scree_record *record = &bodies->record[index];
-    struct scree_record *start = &now->record[index];
     const struct scree_state *state = &bodies->state[index];
-    struct scree_past *past = &bodies->past[index];
-    struct scree_push *push = &bodies->push[index];
+    const struct scree_past *past = &bodies->past[index];
     double along = record->inverse_mass / step, turn = record->inverse_moment / step;
     for (int k = 0; k < 3; k++) {
         start->x[k] = bodies->position[index][k];
         start->v[k] = state->v[k];
-        now->spin[index].w[k] = record->inverse_moment * state->l[k];
+        spin->w[k] = record->inverse_moment * state->l[k];
         push->along[k] = past->known[k] + along * past->impulse[0][k];
         push->more[k] = along * (past->impulse[0][k] - past->impulse[1][k]);
         push->turn[k] = turn * past->turn[0][k];
@@ -217,12 +213,10 @@ static inline void scree_ball_show(const struct scree_bodies *bodies, int index,
     }
     start->radius = record->radius;
     start->inverse_mass = record->inverse_mass;
-    now->spin[index].limit = bodies->spin[index].limit;
+    spin->limit = bodies->spin[index].limit;
     push->turn[3] = record->inverse_moment;
     push->more[3] = 0.0;
-    past->range = push->along[3] =
-        scree_ball_range(scree_size_of(state->v), record->inverse_mass, scree_size_of(past->impulse[0]),
-                         scree_size_of(past->impulse[1]), scree_size_of(past->known), step);
+    push->along[3] = scree_ball_range_of(bodies, index, step);
 }
 
 static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, double step, scree_row gravity,
@@ -236,7 +230,6 @@ static inline int scree_ball_look_both(struct scree_bodies *bodies, int index, d
         bodies->moment[index][k] = 0.0;
         past->known[k] = gravity[k];
     }
-    past->range = SCREE_NOT_SHOWN;
     bodies->glance[index] = scree_glance_of(sizes, step, past->impulse[0][0]);
     double square = scree_ball_foresee(bodies, index, step, gravity, scree_flight_row(bodies, index));
     return scree_outgrown(&bodies->path[index], step * sqrt(square), margin, 0.5);

@@ -345,13 +345,13 @@ static SCREE_INLINE void fetch_some(const struct ends *ends, int lane, int even,
 }
 
 /* Padding repeats the last contact. */
-static inline void find_ends(const struct scree_bodies *bodies, const struct scree_ends *contact, int count,
-                             struct ends *ends) {
+static inline void find_ends(struct scree_record *record, const struct scree_spin *spin,
+                             const struct scree_ends *contact, int count, struct ends *ends) {
     for (int k = 0; k < count; k++) {
-        ends->ball[k] = &bodies->record[contact[k].ball];
-        ends->host[k] = &bodies->record[contact[k].host];
-        ends->ball_spin[k] = &bodies->spin[contact[k].ball];
-        ends->host_spin[k] = &bodies->spin[contact[k].host];
+        ends->ball[k] = &record[contact[k].ball];
+        ends->host[k] = &record[contact[k].host];
+        ends->ball_spin[k] = &spin[contact[k].ball];
+        ends->host_spin[k] = &spin[contact[k].host];
     }
     for (int k = count; k < padded(count); k++) {
         ends->ball[k] = ends->ball[count - 1];
@@ -508,13 +508,13 @@ static inline void bring_images(const struct scree_bodies *bodies, const struct 
 }
 
 /* Partners that aren't balls, one after the other. */
-static inline void meet_others(const struct scree_bodies *bodies, const struct scree_contact *contact, int count,
-                               enum scree_geometry geometry, struct block *b) {
+static inline void meet_others(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                               const struct ends *ends, int count, enum scree_geometry geometry, struct block *b) {
     for (int lane = 0; lane < padded(count); lane++) {
         const struct scree_contact *one = &contact[lane < count ? lane : count - 1];
         struct vec corner = vec_from(bodies->corner[one->corner]);
-        struct vec centre = vec_add(vec_from(bodies->record[one->ball].x), corner);
-        struct scree_meeting m = scree_meet(bodies, one, geometry, centre);
+        struct vec centre = vec_add(vec_from(ends->ball[lane]->x), corner);
+        struct scree_meeting m = scree_meet_at(bodies, one, geometry, centre, ends->ball[lane]->radius);
         put(b->corner, lane, corner);
         put(b->n, lane, m.normal);
         b->overlap[lane] = m.overlap;
@@ -523,9 +523,10 @@ static inline void meet_others(const struct scree_bodies *bodies, const struct s
 
 /* Planes: where all is spheres, only where planes face is found one after the other. */
 static inline void meet_planes(const struct scree_bodies *bodies, const struct scree_batch *batch,
-                               const struct scree_contact *contact, int count, struct block *b) {
+                               const struct scree_contact *contact, const struct ends *ends, int count,
+                               struct block *b) {
     if (batch->corner) {
-        meet_others(bodies, contact, count, SCREE_BALL_PLANE, b);
+        meet_others(bodies, contact, ends, count, SCREE_BALL_PLANE, b);
         return;
     }
     for (int lane = 0; lane < padded(count); lane++)
@@ -599,13 +600,13 @@ static inline int gather(const struct scree_bodies *bodies, const struct scree_b
     case SCREE_BALL_BALL:
         return meet_balls(b, count, wants);
     case SCREE_BALL_PLANE:
-        meet_planes(bodies, batch, contact, count, b);
+        meet_planes(bodies, batch, contact, ends, count, b);
         break;
     case SCREE_BALL_RECTANGLE:
-        meet_others(bodies, contact, count, SCREE_BALL_RECTANGLE, b);
+        meet_others(bodies, contact, ends, count, SCREE_BALL_RECTANGLE, b);
         break;
     default:
-        meet_others(bodies, contact, count, SCREE_BALL_BOX, b);
+        meet_others(bodies, contact, ends, count, SCREE_BALL_BOX, b);
         break;
     }
     move_all(count, b);
@@ -681,7 +682,7 @@ static inline int gather_crossings(const struct scree_bodies *bodies, const stru
     }
     if (!any) return 0;
     struct ends ends = {.ball = {NULL}}; /* gcc 16 doesn't see that there is a contact */
-    find_ends(bodies, batch->ends + first, count, &ends);
+    find_ends(bodies->record, bodies->spin, batch->ends + first, count, &ends);
     name_contacts(batch, first, count, contact);
     fetch(&ends, count, 0, 0, b);
     struct scree_two_boxes boxes = {.a = NULL};

@@ -533,7 +533,7 @@ void scree_contacts_begin_past(struct scree_contacts *contacts, struct scree_bod
                                const struct scree_bodies *now, double step);
 
 /* What pairs have to know of bodies before such a step: as scree_bodies_look_both, of the first `count` balls and of
- * all others; where balls are at its start is shown later, to whom it concerns. */
+ * all others; where balls are at its start is shown later, to whom it concerns (starts.h). */
 int scree_contacts_look_both(struct scree_contacts *contacts, struct scree_bodies *bodies, int count, double time,
                              double step, const double gravity[3], double margin, struct scree_bodies *now,
                              int threads);
@@ -543,13 +543,13 @@ void scree_contacts_advance_by_moments(struct scree_contacts *contacts, struct s
                                        double time, double step, const double gravity[3], int threads);
 
 /* Contacts first … first + count - 1, a window of blocks or less, through such a step: what the contacts of each block
- * yield, and bits of those that went one by one (impulse.c). Shows in `now` the balls of those that aren't steady. */
+ * yield, and bits of those that went one by one (impulse.c). */
 void scree_impel_window(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
                         double step, struct scree_yield *yield, struct scree_moments *moments, uint32_t *odd);
 
-/* All near contacts through one step by pair impulses (impel.c): `bodies` half a step ahead, `now` at its start,
- * where its balls are shown (scree_contacts_look_both before). Impulses and moments are added to the bodies. `go` and
+/* All near contacts through one step by pair impulses (impel.c): `bodies` half a step ahead, `now` all but free
+ * balls at its start (scree_contacts_look_both before). Impulses and moments are added to the bodies. `go` and
  * what is returned: as with scree_contacts_act. */
 int scree_contacts_impel(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                          double step, int threads, const struct scree_departure *go);

@@ -142,21 +142,10 @@ enum { WORTH_A_TEAM = 1000, CHUNK = 256 };
 
 static int chunk_end(int from, int count) { return from + CHUNK < count ? from + CHUNK : count; }
 
-/* Several blocks may ask for the same body at once. */
-static void show_all(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
-                     const struct scree_bodies *now, double step, int threads) {
-    const struct scree_loop *loop = contacts->loop;
-    int count = bodies->count;
-    (void)threads; /* without OpenMP */
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int from = 0; from < count; from += CHUNK) loop->show_all(bodies, from, chunk_end(from, count), step, now);
-}
-
 static void impel_loose(struct scree_contacts *contacts, struct scree_bodies *bodies, const struct scree_bodies *now,
                         const struct scree_batch *batch, double step, int threads) {
     int blocks = (batch->segment[0].count + SCREE_LANES - 1) / SCREE_LANES;
     if (threads > 1 && blocks > 8) {
-        show_all(contacts, bodies, now, step, threads);
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (int block = 0; block < blocks; block++) impel_block(contacts, bodies, now, batch, block, step);
     } else {

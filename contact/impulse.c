@@ -13,6 +13,8 @@
  *
  * The directions of J and M are those at mid-step. Everything is a function of one contact and its two bodies, summed
  * in the order of the list: the same bits for any number of threads. */
+#include "bodies/pushed.h"
+#include "contact/ahead.h"
 #include "contact/loop.h"
 #include "contact/meet.h"
 #include "contact/within.h"
@@ -21,9 +23,8 @@
 
 /* One body as a contact sees it. */
 struct side {
-    const struct scree_record *record;
     const struct scree_past *past;
-    struct vec spin, known_turn, inverse_mass;
+    struct vec velocity, spin, known_turn, inverse_mass;
     struct mat inverse_inertia;
     struct vec arm; /* from its centre to the contact, m */
     double sign;    /* of the contact's force on it */
@@ -34,11 +35,21 @@ struct side {
     struct vec n, lean, lean_turn;
 };
 
+/* At the start of the step, which states tell of free balls, `now` of all else. */
+static struct vec velocity_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
+    return vec_from(bodies->class[k] == SCREE_CLASS_BALL ? bodies->state[k].v : now->record[k].v);
+}
+
+static struct vec spin_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
+    if (bodies->class[k] != SCREE_CLASS_BALL) return scree_spin_of(now, k);
+    return vec_scale(bodies->record[k].inverse_moment, vec_from(bodies->state[k].l));
+}
+
 static struct side side_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, struct vec arm,
                            double sign, int turns) {
-    return (struct side){.record = &now->record[index],
-                         .spin = scree_spin_of(now, index),
-                         .past = &bodies->past[index],
+    return (struct side){.past = &bodies->past[index],
+                         .velocity = velocity_of(bodies, now, index),
+                         .spin = spin_of(bodies, now, index),
                          .known_turn = scree_kind_of(bodies, index)->slot < 0
                                            ? vec(0.0, 0.0, 0.0)
                                            : vec_from(scree_attitude_of(bodies, index)->known_turn),
@@ -133,33 +144,32 @@ static struct view view_of_crossing(const struct scree_bodies *bodies, const str
     return view;
 }
 
-/* Where its velocity at the start takes a body by the middle of the step, or (`half` 0, `bodies` as `now`) where it
- * starts. (Records show free balls where they are foreseen to be, pushed.h; the drift of a contact is no acceleration.)
- */
-static struct vec centre_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k, double half) {
-    const struct scree_record *start = &now->record[k];
-    if (bodies->class[k] != SCREE_CLASS_BALL) return vec_from(bodies->record[k].x);
-    return vec_axpy(vec_from(start->x), half, vec_from(start->v));
+/* Where its velocity at the start takes a free ball by the middle of the step, or (`half` 0) where it starts. (Records
+ * show it where it is foreseen to be, pushed.h; the drift of a contact is no acceleration.) Any other: where `at` has
+ * it. */
+static struct vec centre_of(const struct scree_bodies *bodies, const struct scree_bodies *at, int k, double half) {
+    if (bodies->class[k] != SCREE_CLASS_BALL) return vec_from(at->record[k].x);
+    return vec_axpy(vec_from(bodies->position[k]), half, vec_from(bodies->state[k].v));
 }
 
-static struct view view_of(const struct scree_bodies *bodies, const struct scree_bodies *now, double half,
+/* `at`: `bodies` itself, half a step ahead, or the start of the step, and then `half` is 0. */
+static struct view view_of(const struct scree_bodies *bodies, const struct scree_bodies *at, double half,
                            const struct scree_contact *contact, enum scree_geometry geometry,
                            struct pair_of_boxes *pair) {
     if (geometry == SCREE_EDGE_EDGE || (geometry == SCREE_BALL_BOX && contact->corner > 0)) {
-        bring_boxes(bodies, contact, pair);
+        bring_boxes(at, contact, pair);
         if (geometry == SCREE_EDGE_EDGE || pair->boxes.inset.by > 0.0)
-            return view_of_crossing(bodies, contact, geometry, pair);
+            return view_of_crossing(at, contact, geometry, pair);
     }
     const struct scree_record *ball = &bodies->record[contact->ball];
     const struct scree_record *host = &bodies->record[contact->host];
-    struct vec corner = scree_corner_of(bodies, contact, geometry);
-    struct vec centre = centre_of(bodies, now, contact->ball, half),
-               other = centre_of(bodies, now, contact->host, half);
+    struct vec corner = scree_corner_of(at, contact, geometry);
+    struct vec centre = centre_of(bodies, at, contact->ball, half), other = centre_of(bodies, at, contact->host, half);
     struct vec shift = scree_shift_of(bodies, contact, geometry);
     struct scree_meeting m =
         geometry == SCREE_BALL_BALL || geometry == SCREE_BALL_IMAGE
             ? scree_meet_ball(vec_sub(vec_add(centre, corner), shift), ball->radius, other, host->radius)
-            : scree_meet(bodies, contact, geometry, vec_add(centre, corner));
+            : scree_meet_at(at, contact, geometry, vec_add(centre, corner), ball->radius);
     return (struct view){.normal = m.normal,
                          .arm = vec_axpy(corner, 0.5 * m.overlap - ball->radius, m.normal),
                          .apart = vec_sub(vec_sub(centre, other), shift),
@@ -177,7 +187,6 @@ static struct vec turn_along(struct vec v, struct vec a, struct vec b) {
 /* A contact in the loop: where it is in its batch, and where its yield goes. */
 struct place {
     const struct scree_batch *batch;
-    const struct scree_bodies *now;
     int index, lane; /* in the batch; in what follows */
     struct scree_yield *yield;
     struct scree_moments *moments;
@@ -331,9 +340,9 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
 /* The velocity of the ball against its host at the contact. */
 static struct vec slip_of(const struct side *ball, const struct side *host) {
     if (ball->leans)
-        return vec_sub(seen(ball, vec_from(ball->record->v), ball->spin),
-                       seen(host, vec_from(host->record->v), host->spin));
-    struct vec velocity = vec_sub(vec_from(ball->record->v), vec_from(host->record->v));
+        return vec_sub(seen(ball, ball->velocity, ball->spin),
+                       seen(host, host->velocity, host->spin));
+    struct vec velocity = vec_sub(ball->velocity, host->velocity);
     velocity = vec_add(velocity, vec_cross(ball->spin, ball->arm));
     return vec_sub(velocity, vec_cross(host->spin, host->arm));
 }
@@ -347,7 +356,7 @@ static struct vec drift(const struct side *ball, const struct side *host, struct
     struct vec gain = vec_cross(ball->spin, arm);
     gain = vec_sub(gain, vec_cross(host->spin, vec_add(arm, apart)));
     if (ball->leans) {
-        struct vec between = vec_sub(vec_from(ball->record->v), vec_from(host->record->v));
+        struct vec between = vec_sub(ball->velocity, host->velocity);
         double more = vec_dot(vec_sub(middle.lean.force, now.lean.force), between) +
                       vec_dot(vec_sub(middle.lean.turn_a, now.lean.turn_a), ball->spin) +
                       vec_dot(vec_sub(middle.lean.turn_b, now.lean.turn_b), host->spin);
@@ -469,7 +478,7 @@ static void roll_on(const struct scree_contacts *contacts, const struct scree_bo
                     double step) {
     const struct scree_batch *batch = place.batch;
     struct scree_contact contact = scree_contact_at(batch, place.index);
-    struct view middle = view_of(bodies, place.now, 0.5 * step, &contact, batch->geometry, &place.pair[1]);
+    struct view middle = view_of(bodies, bodies, 0.5 * step, &contact, batch->geometry, &place.pair[1]);
     struct scree_yield *yield = place.yield;
     struct vec zero = {0.0, 0.0, 0.0};
     if (contacts->rule[batch->rule].friction < 0) {
@@ -482,11 +491,16 @@ static void roll_on(const struct scree_contacts *contacts, const struct scree_bo
     roll(contacts, bodies, place, middle, impulse, yield->lasts[place.lane] > 0.0, step);
 }
 
+static double range_of(const struct scree_bodies *bodies, int k, double step) {
+    return bodies->class[k] == SCREE_CLASS_BALL ? scree_ball_range_of(bodies, k, step) : bodies->past[k].range;
+}
+
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
-static int idle(const struct scree_bodies *bodies, struct place place, double overlap) {
+static int idle(const struct scree_bodies *bodies, struct place place, double overlap, double step) {
     const struct scree_batch *batch = place.batch;
     const struct scree_ends *contact = &batch->ends[place.index];
-    if (!(overlap + bodies->past[contact->ball].range + bodies->past[contact->host].range < 0.0)) return 0;
+    double ball = range_of(bodies, contact->ball, step), host = range_of(bodies, contact->host, step);
+    if (!(overlap + ball + host < 0.0)) return 0;
     return !scree_keeps_something(batch, place.index);
 }
 
@@ -513,9 +527,9 @@ static int reckon(const struct scree_contacts *contacts, const struct scree_bodi
                   const struct scree_bodies *bodies_now, struct place place, double step, struct outcome *o) {
     const struct scree_batch *batch = place.batch;
     struct scree_contact named = scree_contact_at(batch, place.index), *contact = &named;
-    struct view now = o->now = view_of(bodies_now, bodies_now, 0.0, contact, batch->geometry, &place.pair[0]);
-    if (idle(bodies, place, now.overlap)) return 0;
-    struct view middle = view_of(bodies, bodies_now, 0.5 * step, contact, batch->geometry, &place.pair[1]);
+    struct view now = o->now = view_of(bodies, bodies_now, 0.0, contact, batch->geometry, &place.pair[0]);
+    if (idle(bodies, place, now.overlap, step)) return 0;
+    struct view middle = view_of(bodies, bodies, 0.5 * step, contact, batch->geometry, &place.pair[1]);
     /* Beyond an edge the normal may jump, or the partner be out of sight at mid-step: then the start of the step
      * counts. */
     if (vec_dot(now.normal, middle.normal) < 0.9 || middle.overlap < 0.5 * SCREE_OUTSIDE) middle = now;
@@ -585,54 +599,69 @@ static void impel(const struct scree_contacts *contacts, const struct scree_bodi
         scree_steepness(vec_dot(impulse, middle), batch->slope, a->inverse_mass + b->inverse_mass);
 }
 
+/* What will be shown of a body: by then it is at hand. */
+static void prefetch_start(const struct scree_bodies *bodies, int k) {
+    scree_prefetch_line(&bodies->state[k]);
+    scree_prefetch_line(&bodies->position[k]);
+    SCREE_PREFETCH(bodies->past, k, k + 1);
+}
+
 /* Those of a block that go several at once; the others become lanes `base` … of a window. Returns how many. */
 static int impel_block(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                        const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
-                       double step, int base, int *lane, struct scree_yield *yield, struct scree_moments *moments) {
+                       double step, int base, int *lane, struct scree_starts *starts, struct scree_yield *yield,
+                       struct scree_moments *moments) {
     const struct scree_loop *loop = count <= 8 ? contacts->loop_for_few : contacts->loop;
+    const struct scree_ends *own = batch->ends + first;
+    struct scree_ends *slot = starts->slot + base;
     int left = 0;
     yield->silent = 0;
     uint32_t done = loop->hold_steady(contacts, bodies, batch, first, count, step, yield, moments);
     if (!done) {
-        loop->show(bodies, batch->ends + first, NULL, count, step, now);
-        done = loop->impel(contacts, now, batch, first, count, step, yield, moments);
+        loop->show(bodies, now, own, NULL, count, step, slot, starts);
+        done = loop->impel(contacts, now, starts, slot, batch, first, count, step, yield, moments);
     }
-    for (int k = 0; k < count; k++)
-        if (!(done >> k & 1)) lane[left++] = base + k;
+    for (int k = 0; k < count; k++) {
+        if (done >> k & 1) continue;
+        lane[left++] = base + k;
+        prefetch_start(bodies, own[k].ball);
+        prefetch_start(bodies, own[k].host);
+    }
     return left;
 }
 
 /* Where a lane of a window is. */
-static struct place place_of(const struct scree_batch *batch, const struct scree_bodies *now, int first, int lane,
-                             struct scree_yield *yield, struct scree_moments *moments, struct pair_of_boxes *pair) {
+static struct place place_of(const struct scree_batch *batch, int first, int lane, struct scree_yield *yield,
+                             struct scree_moments *moments, struct pair_of_boxes *pair) {
     int block = lane / SCREE_LANES;
-    return (struct place){batch, now, first + lane, lane % SCREE_LANES, &yield[block], &moments[block], pair};
+    return (struct place){batch, first + lane, lane % SCREE_LANES, &yield[block], &moments[block], pair};
 }
 
 void scree_impel_window(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                         const struct scree_bodies *now, const struct scree_batch *batch, int first, int count,
                         double step, struct scree_yield *yield, struct scree_moments *moments, uint32_t *odd) {
-    int lane[SCREE_WINDOW * SCREE_LANES], left = 0, rolls = contacts->rule[batch->rule].rolling >= 0;
+    int lane[SCREE_WINDOW_LANES], left = 0, rolls = contacts->rule[batch->rule].rolling >= 0;
     struct pair_of_boxes pair[2] = {{.ball = -1}, {.ball = -1}};
+    struct scree_starts starts;
+    scree_begin_starts(&starts);
     for (int from = 0, block = 0; from < count; from += SCREE_LANES, block++) {
         int here = count - from < SCREE_LANES ? count - from : SCREE_LANES;
         odd[block] = 0;
-        left += impel_block(contacts, bodies, now, batch, first + from, here, step, from, &lane[left], &yield[block],
-                            &moments[block]);
+        left += impel_block(contacts, bodies, now, batch, first + from, here, step, from, &lane[left], &starts,
+                            &yield[block], &moments[block]);
     }
     const struct scree_loop *loop = left <= 4 ? contacts->loop_for_few : contacts->loop;
-    if (rolls)
-        loop->show(bodies, batch->ends + first, NULL, count, step, now);
-    else if (left)
-        loop->show(bodies, batch->ends + first, lane, left, step, now);
-    if (left) left = loop->impel_few(contacts, now, batch, first, lane, left, step, yield, moments);
+    if (left) {
+        loop->show(bodies, now, batch->ends + first, lane, left, step, starts.slot, &starts);
+        left = loop->impel_few(contacts, now, &starts, batch, first, lane, left, step, yield, moments);
+    }
     for (int i = 0; i < left; i++) {
         odd[lane[i] / SCREE_LANES] |= (uint32_t)1 << lane[i] % SCREE_LANES;
-        impel(contacts, bodies, now, place_of(batch, now, first, lane[i], yield, moments, pair), step);
+        impel(contacts, bodies, now, place_of(batch, first, lane[i], yield, moments, pair), step);
     }
     for (int k = 0; rolls && k < count; k++)
         if (!(odd[k / SCREE_LANES] >> k % SCREE_LANES & 1))
-            roll_on(contacts, bodies, place_of(batch, now, first, k, yield, moments, pair), step);
+            roll_on(contacts, bodies, place_of(batch, first, k, yield, moments, pair), step);
 }
 
 void scree_contacts_keep_impulses(struct scree_contacts *contacts, int substeps) {

@@ -102,7 +102,7 @@ static void act(const struct scree_contacts *contacts, const struct scree_bodies
     struct work w = work_on(contacts, bodies, batch, first, step);
     begin_at(&w, first);
     name_contacts(batch, first, count, contact);
-    find_ends(bodies, batch->ends + first, count, &ends);
+    find_ends(bodies->record, bodies->spin, batch->ends + first, count, &ends);
     int events = gather(bodies, batch, contact, &ends, count, w.wants, &b);
     int deep = batch->geometry == SCREE_BALL_BOX && deepen_corners(bodies, contact, count, &b, &lean);
     struct bearing bearing;
@@ -310,13 +310,13 @@ static void act_straight(const struct scree_contacts *contacts, struct scree_bod
     struct work w = work_on(contacts, bodies, batch, first, step);
     int deeds = deeds_of(batch, w.rule, batch->turns), turn = 0; /* of slabs: no corners */
     const int share[2] = {share_of(trail->ask[0], count), share_of(trail->ask[1], count)};
-    find_ends(bodies, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
+    find_ends(bodies->record, bodies->spin, own, count < SCREE_LANES ? count : SCREE_LANES, &ends[turn]);
     for (int done = 0; done < count; done += SCREE_LANES, own += SCREE_LANES, turn = !turn) {
         int here = count - done < SCREE_LANES ? count - done : SCREE_LANES;
         int left = count - done - here < SCREE_LANES ? count - done - here : SCREE_LANES;
         int to_come = count + trail->behind - done;
         w.wants.most = tally->deepest * (1.0 - 1e-14); /* below it, rounding included, nothing is deeper */
-        if (left) find_ends(bodies, own + here, left, &ends[!turn]);
+        if (left) find_ends(bodies->record, bodies->spin, own + here, left, &ends[!turn]);
         begin_at(&w, first + done);
         prefetch_ahead(contacts, bodies, &w, own, to_come, 0, trail, share);
         name_contacts(batch, first + done, here, contact);
@@ -346,5 +346,4 @@ const struct scree_loop SCREE_LOOP = {&NAMED(SCREE_LOOP)[PREFIX],
                                       SCREE_PART(add_up),
                                       SCREE_PART(look_both),
                                       SCREE_PART(show),
-                                      SCREE_PART(show_all),
                                       SCREE_PART(advance_by_moments)};

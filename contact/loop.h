@@ -3,6 +3,7 @@
 #define SCREE_CONTACT_LOOP_H
 
 #include "contact/contacts.h"
+#include "contact/starts.h"
 
 struct scree_loop {
     const char *name;
@@ -27,14 +28,14 @@ struct scree_loop {
     uint32_t (*hold_steady)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                             const struct scree_batch *batch, int first, int count, double step,
                             struct scree_yield *yield, struct scree_moments *moments);
-    /* Those that touch all through the step and nothing happens to (smooth.c), from what `now` shows of its start.
-     * Likewise. */
-    uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                      const struct scree_batch *batch, int first, int count, double step, struct scree_yield *yield,
-                      struct scree_moments *moments);
+    /* Those that touch all through the step and nothing happens to (smooth.c), from what is shown of its start, in
+     * slots of their own; `now`: all else is there. Likewise. */
+    uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now, struct scree_starts *starts,
+                      const struct scree_ends *slot, const struct scree_batch *batch, int first, int count, double step,
+                      struct scree_yield *yield, struct scree_moments *moments);
     /* The others, whatever happens to them: contacts first + lane[0 … count - 1] of a batch, of so many blocks that
      * there is a yield for each. Returns how many of them are left to within.c, and which: the first ones of `lane`. */
-    int (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+    int (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now, struct scree_starts *starts,
                      const struct scree_batch *batch, int first, int *lane, int count, double step,
                      struct scree_yield *yield, struct scree_moments *moments);
     /* Impulses of a block of them and their first moments into the bodies. Returns whether one is deeper or steeper
@@ -45,12 +46,10 @@ struct scree_loop {
      * a path has outgrown the margin. */
     int (*look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
                      double margin);
-    /* What contacts ask for that aren't steady, of the balls for which none has yet: the start of the step into `now`,
-     * and bodies->push. Of contacts contact[which[0 … count - 1]], `which` NULL: the first `count`; or of all bodies
-     * from … to - 1. */
-    void (*show)(const struct scree_bodies *bodies, const struct scree_ends *contact, const int *which, int count,
-                 double step, const struct scree_bodies *now);
-    void (*show_all)(const struct scree_bodies *bodies, int from, int to, double step, const struct scree_bodies *now);
+    /* What contacts ask for that aren't steady: contact[lane[0 … count - 1]], `lane` NULL: the first `count`. Their
+     * bodies are shown, and slot[…] tells where. */
+    void (*show)(const struct scree_bodies *bodies, const struct scree_bodies *now, const struct scree_ends *contact,
+                 const int *lane, int count, double step, struct scree_ends *slot, struct scree_starts *starts);
     void (*advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3]);
 };
 
@@ -83,19 +82,19 @@ uint32_t SCREE_PART(hold_steady)(const struct scree_contacts *contacts, const st
                                  const struct scree_batch *batch, int first, int count, double step,
                                  struct scree_yield *yield, struct scree_moments *moments);
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                           const struct scree_batch *batch, int first, int count, double step,
-                           struct scree_yield *yield, struct scree_moments *moments);
+                           struct scree_starts *starts, const struct scree_ends *slot, const struct scree_batch *batch,
+                           int first, int count, double step, struct scree_yield *yield,
+                           struct scree_moments *moments);
 int SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                          const struct scree_batch *batch, int first, int *lane, int count, double step,
-                          struct scree_yield *yield, struct scree_moments *moments);
+                          struct scree_starts *starts, const struct scree_batch *batch, int first, int *lane, int count,
+                          double step, struct scree_yield *yield, struct scree_moments *moments);
 int SCREE_PART(add_up)(struct scree_bodies *bodies, const struct scree_ends *contact, int count, int turns, int hosts,
                        struct scree_yield *yield, struct scree_moments *moments, const struct scree_tally *tally);
 int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double step, const double gravity[3],
                           double margin);
-void SCREE_PART(show)(const struct scree_bodies *bodies, const struct scree_ends *contact, const int *which, int count,
-                      double step, const struct scree_bodies *now);
-void SCREE_PART(show_all)(const struct scree_bodies *bodies, int from, int to, double step,
-                          const struct scree_bodies *now);
+void SCREE_PART(show)(const struct scree_bodies *bodies, const struct scree_bodies *now,
+                      const struct scree_ends *contact, const int *lane, int count, double step,
+                      struct scree_ends *slot, struct scree_starts *starts);
 void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,
                                     const double gravity[3]);
 int SCREE_PART(move_by_moments)(struct scree_bodies *bodies, int from, int to, const struct scree_departure *go,

@@ -59,12 +59,11 @@ static inline struct vec scree_apart(const struct scree_bodies *bodies, const st
     return vec_sub(apart, scree_shift_of(bodies, contact, geometry));
 }
 
-/* Normal and overlap of a contact whose ball's centre is at `centre`. */
-static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
-                                              enum scree_geometry geometry, struct vec centre) {
-    const struct scree_record *ball = &bodies->record[contact->ball], *host = &bodies->record[contact->host];
+/* Normal and overlap of a contact whose ball, of this radius, has its centre at `centre`. */
+static inline struct scree_meeting scree_meet_at(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                                 enum scree_geometry geometry, struct vec centre, double radius) {
+    const struct scree_record *host = &bodies->record[contact->host];
     struct vec origin = vec_from(host->x);
-    double radius = ball->radius;
     if (geometry == SCREE_BALL_BALL) return scree_meet_ball(centre, radius, origin, host->radius);
     if (geometry == SCREE_BALL_IMAGE) {
         struct vec nearer = vec_sub(centre, scree_shift_of(bodies, contact, geometry));
@@ -77,6 +76,11 @@ static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies,
         return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
                                     scree_thickness(bodies, contact->ball));
     return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
+}
+
+static inline struct scree_meeting scree_meet(const struct scree_bodies *bodies, const struct scree_contact *contact,
+                                              enum scree_geometry geometry, struct vec centre) {
+    return scree_meet_at(bodies, contact, geometry, centre, bodies->record[contact->ball].radius);
 }
 
 /* How the ball moves at the contact, seen from its partner. */

@@ -12,22 +12,28 @@ int SCREE_PART(look_both)(struct scree_bodies *bodies, int from, int to, double 
     return too_far;
 }
 
-static void show_one(const struct scree_bodies *bodies, int k, double step, const struct scree_bodies *now) {
-    if (bodies->past[k].range < 0.0) scree_ball_show(bodies, k, step, now);
-}
-
-void SCREE_PART(show)(const struct scree_bodies *bodies, const struct scree_ends *contact, const int *which, int count,
-                      double step, const struct scree_bodies *now) {
-    for (int i = 0; i < count; i++) {
-        const struct scree_ends *own = &contact[which ? which[i] : i];
-        show_one(bodies, own->ball, step, now);
-        show_one(bodies, own->host, step, now);
+static int show_one(const struct scree_bodies *bodies, const struct scree_bodies *now, int k, double step,
+                    struct scree_starts *starts) {
+    int is_new, slot = scree_slot_of(starts, k, &is_new);
+    if (!is_new) return slot;
+    if (bodies->class[k] == SCREE_CLASS_BALL) {
+        scree_ball_show(bodies, k, step, &starts->record[slot], &starts->spin[slot], &starts->push[slot]);
+    } else {
+        starts->record[slot] = now->record[k];
+        starts->spin[slot] = now->spin[k];
+        starts->push[slot] = scree_body_push(bodies, k, step);
     }
+    return slot;
 }
 
-void SCREE_PART(show_all)(const struct scree_bodies *bodies, int from, int to, double step,
-                          const struct scree_bodies *now) {
-    for (int k = from; k < to; k++) show_one(bodies, k, step, now);
+void SCREE_PART(show)(const struct scree_bodies *bodies, const struct scree_bodies *now,
+                      const struct scree_ends *contact, const int *lane, int count, double step,
+                      struct scree_ends *slot, struct scree_starts *starts) {
+    for (int i = 0; i < count; i++) {
+        int k = lane ? lane[i] : i;
+        slot[k].ball = show_one(bodies, now, contact[k].ball, step, starts);
+        slot[k].host = show_one(bodies, now, contact[k].host, step, starts);
+    }
 }
 
 void SCREE_PART(advance_by_moments)(struct scree_bodies *bodies, int from, int to, double step,

@@ -228,22 +228,35 @@ static void begin_course(struct course *c) {
     memset(c->press, 0, offsetof(struct course, odd) - offsetof(struct course, press));
 }
 
-/* Contacts first … of a batch, one after the other, or (`index`) some here and there. */
-static void gather_smooth(const struct scree_bodies *now, const struct scree_batch *batch, int first, const int *index,
-                          int count, int turns, int even, struct smooth_block *s) {
+/* Contacts of a batch in a step. */
+struct smooth_work {
+    const struct scree_bodies *now;
+    struct scree_starts *starts;
+    const struct scree_ends *slot; /* of each lane */
+    const struct scree_batch *batch;
+    struct smooth_pass pass;
+    struct smooth_kind kind;
+    int first;
+};
+
+/* Lanes 0 … count - 1, or (`lane`) some here and there, which are contacts index[…] of the batch. */
+static void gather_smooth(const struct smooth_work *w, const int *lane, const int *index, int count,
+                          struct smooth_block *s) {
     struct scree_contact contact[SCREE_LANES];
     struct scree_ends own[SCREE_LANES];
-    const struct scree_ends *pair = index ? own : &batch->ends[first];
     struct ends ends;
-    for (int k = 0; index && k < count; k++) own[k] = batch->ends[index[k]];
+    const struct scree_batch *batch = w->batch;
+    const struct scree_ends *slot = lane ? own : w->slot;
+    int turns = w->pass.rubs, even = w->kind.sizes.even;
+    for (int k = 0; lane && k < count; k++) own[k] = w->slot[lane[k]];
     for (int k = 0; batch->geometry != SCREE_BALL_BALL && k < count; k++)
-        contact[k] = scree_contact_at(batch, index ? index[k] : first + k);
-    find_ends(now, pair, count, &ends);
+        contact[k] = scree_contact_at(batch, index ? index[k] : w->first + k);
+    find_ends(w->starts->record, w->starts->spin, slot, count, &ends);
     fetch_motions(&ends, count, batch->geometry != SCREE_BALL_PLANE, even, &s->b);
-    if (batch->geometry == SCREE_BALL_IMAGE) bring_images(now, contact, count, &s->b);
-    if (batch->geometry == SCREE_BALL_PLANE) meet_planes(now, batch, contact, count, &s->b);
-    fetch_pushes(now->push, pair, count, turns, even, &s->at);
-    fetch_kept(batch, first, index, count, turns, &s->at, &s->x.c, &s->x.m);
+    if (batch->geometry == SCREE_BALL_IMAGE) bring_images(w->now, contact, count, &s->b);
+    if (batch->geometry == SCREE_BALL_PLANE) meet_planes(w->now, batch, contact, &ends, count, &s->b);
+    fetch_pushes(w->starts->push, slot, count, turns, even, &s->at);
+    fetch_kept(batch, w->first, index, count, turns, &s->at, &s->x.c, &s->x.m);
 }
 
 /* CALL(balls, turns, even): a loop of its own for each kind of contact. */
@@ -390,34 +403,31 @@ static int count_touched(const struct scree_batch *batch, int first, int count) 
 }
 
 /* Nothing can happen in this step: too far apart, and nothing kept of an earlier touch. */
-static int far_apart(const struct scree_bodies *now, const struct scree_batch *batch, int index) {
-    if (scree_keeps_something(batch, index)) return 0;
-    struct scree_contact own = scree_contact_at(batch, index), *contact = &own;
-    const struct scree_record *ball = &now->record[contact->ball], *host = &now->record[contact->host];
-    double range = now->push[contact->ball].along[3] + now->push[contact->host].along[3];
-    if (batch->geometry == SCREE_BALL_PLANE) {
-        if (!(scree_meet(now, contact, SCREE_BALL_PLANE, vec_from(ball->x)).overlap + range < 0.0)) return 0;
+static int far_apart(const struct smooth_work *w, int lane) {
+    if (scree_keeps_something(w->batch, w->first + lane)) return 0;
+    enum scree_geometry geometry = w->batch->geometry;
+    struct scree_contact contact = scree_contact_at(w->batch, w->first + lane);
+    struct scree_ends slot = w->slot[lane];
+    const struct scree_record *ball = &w->starts->record[slot.ball], *host = &w->starts->record[slot.host];
+    double range = w->starts->push[slot.ball].along[3] + w->starts->push[slot.host].along[3];
+    struct vec centre = vec_from(ball->x);
+    if (geometry == SCREE_BALL_PLANE) {
+        double overlap = scree_meet_at(w->now, &contact, geometry, centre, ball->radius).overlap;
+        if (!(overlap + range < 0.0)) return 0;
     } else {
-        double reach = ball->radius + host->radius;
-        double square = vec_norm2(scree_apart(now, contact, batch->geometry));
+        struct vec apart = vec_sub(centre, vec_from(host->x));
+        if (geometry == SCREE_BALL_IMAGE) apart = vec_sub(apart, scree_shift_of(w->now, &contact, geometry));
+        double reach = ball->radius + host->radius, square = vec_norm2(apart);
         if (!(square > reach * reach) || !(square > (reach + range) * (reach + range))) return 0;
     }
     return 1;
 }
 
-/* Contacts of a batch in a step. */
-struct smooth_work {
-    const struct scree_bodies *now;
-    const struct scree_batch *batch;
-    struct smooth_pass pass;
-    struct smooth_kind kind;
-    int first;
-};
-
 /* From the bodies up to what drives the lanes. */
-static void begin_smooth(const struct smooth_work *w, const int *index, int count, struct smooth_block *s) {
+static void begin_smooth(const struct smooth_work *w, const int *lane, const int *index, int count,
+                         struct smooth_block *s) {
     const struct smooth_pass *pass = &w->pass;
-    gather_smooth(w->now, w->batch, w->first, index, count, pass->rubs, w->kind.sizes.even, s);
+    gather_smooth(w, lane, index, count, s);
     meet_smooth(s, count, pass->step, w->kind);
     rate_lanes(pass, count, &s->x.c, &s->x.m);
     drive_smooth(s, count, pass->step, w->kind);
@@ -425,12 +435,13 @@ static void begin_smooth(const struct smooth_work *w, const int *index, int coun
 }
 
 static struct smooth_work work_on(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                                  struct scree_starts *starts, const struct scree_ends *slot, int lane,
                                   const struct scree_batch *batch, int first, double step) {
     int balls = batch->geometry == SCREE_BALL_BALL || batch->geometry == SCREE_BALL_IMAGE;
     struct smooth_pass pass = smooth_pass_of(contacts, batch, first, step);
     struct sizes sizes = {balls && pass.rubs && now->even > 0.0, now->even + now->even,
-                          now->spin[batch->ends[first].ball].limit};
-    return (struct smooth_work){now, batch, pass, {balls, pass.rubs, sizes}, first};
+                          starts->spin[slot[lane].ball].limit};
+    return (struct smooth_work){now, starts, slot, batch, pass, {balls, pass.rubs, sizes}, first};
 }
 
 /* One step of Runge-Kutta of a lane; `anew`: the first one. */
@@ -461,7 +472,7 @@ static uint32_t go_all_straight(const struct smooth_work *w, int count, struct s
     const struct smooth_pass *pass = &w->pass;
     struct smooth_block s;
     uint32_t done = 0;
-    begin_smooth(w, NULL, count, &s);
+    begin_smooth(w, NULL, NULL, count, &s);
     SMOOTH_LOOP({
         s.x.c.odd[k] = s.at.more[3][k] > 0.0 ? 1.0 : s.x.c.odd[k];
         try_lane(pass, k, &s.x);
@@ -480,9 +491,10 @@ static int are_smooth(const struct smooth_work *w) {
 }
 
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                           const struct scree_batch *batch, int first, int count, double step,
-                           struct scree_yield *yield, struct scree_moments *moments) {
-    const struct smooth_work work = work_on(contacts, now, batch, first, step);
+                           struct scree_starts *starts, const struct scree_ends *slot, const struct scree_batch *batch,
+                           int first, int count, double step, struct scree_yield *yield,
+                           struct scree_moments *moments) {
+    const struct smooth_work work = work_on(contacts, now, starts, slot, 0, batch, first, step);
     int most_touched = 2 * count_touched(batch, first, count) >= count;
     if (!are_smooth(&work) || !most_touched || !is_plain(now, &batch->ends[first])) /* as the others, mostly */
         return 0;
@@ -501,7 +513,7 @@ static int march_some(const struct smooth_work *w, const int *lane, int count, i
     int index[SCREE_LANES] = {0}, begins[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0, odd = 0;
     double step = w->pass.step;
     for (int i = 0; i < count; i++) index[i] = w->first + lane[i];
-    begin_smooth(w, index, count, &s);
+    begin_smooth(w, lane, index, count, &s);
     begin_course(&s.x.c);
     SMOOTH_LOOP(s.flight[k] = s.x.c.d[k] + (step * s.x.c.u[k] + 0.5 * step * step * s.x.m.closing[k]);)
     begin_lanes(count, step, turns, s.flight, &s.x);
@@ -540,7 +552,7 @@ static int sort_out(const struct smooth_work *w, int *lane, int count, int *acti
     for (int i = 0; i < count; i++)
         if (!is_plain(w->now, &w->batch->ends[w->first + lane[i]]))
             lane[odd++] = lane[i];
-        else if (far_apart(w->now, w->batch, w->first + lane[i]))
+        else if (far_apart(w, lane[i]))
             yield_nothing(&yield[lane[i] / SCREE_LANES], &moments[lane[i] / SCREE_LANES], lane[i] % SCREE_LANES);
         else
             acting[(*acts)++] = lane[i];
@@ -548,9 +560,9 @@ static int sort_out(const struct smooth_work *w, int *lane, int count, int *acti
 }
 
 int SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
-                          const struct scree_batch *batch, int first, int *lane, int count, double step,
-                          struct scree_yield *yield, struct scree_moments *moments) {
-    const struct smooth_work work = work_on(contacts, now, batch, first, step);
+                          struct scree_starts *starts, const struct scree_batch *batch, int first, int *lane, int count,
+                          double step, struct scree_yield *yield, struct scree_moments *moments) {
+    const struct smooth_work work = work_on(contacts, now, starts, starts->slot, lane[0], batch, first, step);
     int acting[SCREE_WINDOW * SCREE_LANES], acts;
     if (!are_smooth(&work)) return count;
     int odd = sort_out(&work, lane, count, acting, &acts, yield, moments);

@@ -183,7 +183,7 @@ static void gather_steady(const struct scree_bodies *bodies, const struct scree_
     struct wants wants = {.step = w->step, .sizes = w->sizes, .takes_roots = w->takes_roots, .remembers = w->rubs};
     double *stretch[3] = {s->stretch[0], s->stretch[1], s->stretch[2]};
     name_contacts(batch, first, count, contact);
-    find_ends(bodies, &batch->ends[first], count, &ends);
+    find_ends(bodies->record, bodies->spin, &batch->ends[first], count, &ends);
     fetch_motions(&ends, count, w->balls, w->sizes.even, b);
     for (int m = 0; w->rubs && m < 3; m++)
         memcpy(s->stretch[m], batch->kept[m] + first, (size_t)padded(count) * sizeof(double));
@@ -194,7 +194,7 @@ static void gather_steady(const struct scree_bodies *bodies, const struct scree_
         if (!w->rubs && w->takes_roots) find_fourth_roots(b, count);
         return;
     }
-    meet_planes(bodies, batch, contact, count, b);
+    meet_planes(bodies, batch, contact, &ends, count, b);
     move_all(count, b);
     see(b, count, wants);
     if (w->rubs) turn_stretches(b, count, w->step, stretch);

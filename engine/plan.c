@@ -259,11 +259,14 @@ static scree_status keep_impulses(struct scree_scene *scene) {
     return scree_bodies_keep_past(&scene->bodies, &scene->trouble);
 }
 
-/* and after it, when bodies have their places. */
+/* and after it, when bodies have their places. The shadow is taken anew: free balls aren't shown in it (contact/starts.h),
+ * and what nobody writes takes no memory. */
 static scree_status begin_impulses(struct scree_scene *scene) {
     scree_status status = scree_scene_look_now(scene);
-    if (!status) scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
-    return status;
+    if (status) return status;
+    scree_contacts_begin_past(&scene->contacts, &scene->bodies, &scene->shadow, scene->step);
+    scree_bodies_free_shadow(&scene->shadow);
+    return scree_bodies_shadow(&scene->bodies, &scene->shadow, &scene->trouble);
 }
 
 /* When forces count as balanced: within what the slowness asked for comes to in the shortest contact. */
