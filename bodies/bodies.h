@@ -68,8 +68,8 @@ struct scree_attitude {
  * cache. */
 struct scree_past {
     double impulse[2][3], turn[2][3]; /* of the last step and of the one before it, N s, N m s */
-    double known[3]; /* acceleration that no contact causes: gravity, drives, m/s^2 */
-    double range;    /* bound of the way that any point of the body makes in the step, m; not of free balls */
+    double known[3];                  /* acceleration that no contact causes: gravity, drives, m/s^2 */
+    double range; /* bound of the way that any point of the body makes in the step, m; not of free balls */
 };
 
 /* What contacts that hardly change ask of the past of a ball, mostly: so small that it stays in the caches. */
@@ -86,8 +86,8 @@ static inline uint32_t scree_trace_of(double impulse) {
     return (uint32_t)(bits & UINT32_MAX);
 }
 
-/* What contacts of balls read of it where they ask for it (contact/starts.h), in rows fit for four-wide loads: two lines,
- * too. All zero of fixed bodies. */
+/* What contacts of balls read of it where they ask for it (contact/starts.h), in rows fit for four-wide loads: two
+ * lines, too. All zero of fixed bodies. */
 struct scree_push {
     double along[4]; /* acceleration if all goes on as in the last step, m/s^2; bound of the way, m */
     double more[4];  /* what extrapolation from the last two steps adds to it, m/s^2; 1 of what isn't a ball, else 0 */
@@ -156,9 +156,9 @@ struct scree_bodies {
     struct scree_past *past;          /* NULL unless scree_bodies_keep_past was called */
     struct scree_glance *glance;      /* likewise */
     int some_driven;                  /* some bodies are neither balls nor fixed; likewise */
-    double (*moment)[4];      /* first moment of the step's impulses about its end, N s^2: contacts add to it */
-    int periodic;             /* along some axis */
-    double low[3], period[3]; /* where the box begins and after what length all repeats, m; 0: never */
+    double (*moment)[4];              /* first moment of the step's impulses about its end, N s^2: contacts add to it */
+    int periodic;                     /* along some axis */
+    double low[3], period[3];         /* where the box begins and after what length all repeats, m; 0: never */
 };
 
 /* The spin of a body as contacts see it, half a step ahead, rad/s. */

@@ -64,7 +64,6 @@ static SCREE_INLINE void prefetch_partner(const struct scree_bodies *bodies, int
     SCREE_PREFETCH(bodies->record, k, k + 1);
     SCREE_PREFETCH(bodies->spin, k, k + 1);
     __builtin_prefetch(bodies->moment[k], 0, 2);
-    __builtin_prefetch(bodies->past[k].impulse[0], 0, 2);
 }
 
 static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, int from, int to) {

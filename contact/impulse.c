@@ -339,9 +339,7 @@ static void write_yield(const struct scree_pair_yield *sum, struct view middle, 
 
 /* The velocity of the ball against its host at the contact. */
 static struct vec slip_of(const struct side *ball, const struct side *host) {
-    if (ball->leans)
-        return vec_sub(seen(ball, ball->velocity, ball->spin),
-                       seen(host, host->velocity, host->spin));
+    if (ball->leans) return vec_sub(seen(ball, ball->velocity, ball->spin), seen(host, host->velocity, host->spin));
     struct vec velocity = vec_sub(ball->velocity, host->velocity);
     velocity = vec_add(velocity, vec_cross(ball->spin, ball->arm));
     return vec_sub(velocity, vec_cross(host->spin, host->arm));

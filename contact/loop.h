@@ -28,11 +28,11 @@ struct scree_loop {
     uint32_t (*hold_steady)(const struct scree_contacts *contacts, const struct scree_bodies *bodies,
                             const struct scree_batch *batch, int first, int count, double step,
                             struct scree_yield *yield, struct scree_moments *moments);
-    /* Those that touch all through the step and nothing happens to (smooth.c), from what is shown of its start, in
-     * slots of their own; `now`: all else is there. Likewise. */
-    uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now, struct scree_starts *starts,
-                      const struct scree_ends *slot, const struct scree_batch *batch, int first, int count, double step,
-                      struct scree_yield *yield, struct scree_moments *moments);
+    /* Those that touch all through the step and nothing happens to (smooth.c), from what is shown of its start
+     * (starts.h), in the slots of each; `now`: where planes are then. Likewise. */
+    uint32_t (*impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
+                      struct scree_starts *starts, const struct scree_ends *slot, const struct scree_batch *batch,
+                      int first, int count, double step, struct scree_yield *yield, struct scree_moments *moments);
     /* The others, whatever happens to them: contacts first + lane[0 … count - 1] of a batch, of so many blocks that
      * there is a yield for each. Returns how many of them are left to within.c, and which: the first ones of `lane`. */
     int (*impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now, struct scree_starts *starts,
@@ -83,8 +83,7 @@ uint32_t SCREE_PART(hold_steady)(const struct scree_contacts *contacts, const st
                                  struct scree_yield *yield, struct scree_moments *moments);
 uint32_t SCREE_PART(impel)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                            struct scree_starts *starts, const struct scree_ends *slot, const struct scree_batch *batch,
-                           int first, int count, double step, struct scree_yield *yield,
-                           struct scree_moments *moments);
+                           int first, int count, double step, struct scree_yield *yield, struct scree_moments *moments);
 int SCREE_PART(impel_few)(const struct scree_contacts *contacts, const struct scree_bodies *now,
                           struct scree_starts *starts, const struct scree_batch *batch, int first, int *lane, int count,
                           double step, struct scree_yield *yield, struct scree_moments *moments);

@@ -12,14 +12,14 @@ enum {
     SCREE_START_TABLE = 2 * SCREE_MOST_STARTS /* a power of two */
 };
 
+/* Bodies have slots, in the order in which contacts ask for them. */
 struct scree_starts {
-    int count;
-    struct scree_ends slot[SCREE_WINDOW_LANES]; /* where the bodies of each contact are, of those that have asked */
-    struct scree_record record[SCREE_MOST_STARTS]; /* the first two rows */
-    struct scree_spin spin[SCREE_MOST_STARTS];
+    _Alignas(64) struct scree_record record[SCREE_MOST_STARTS]; /* the first two rows */
     struct scree_push push[SCREE_MOST_STARTS];
-    int body[SCREE_MOST_STARTS];          /* which one it is */
-    int16_t slot_of[SCREE_START_TABLE]; /* by its place, or the next free row behind that; -1: free */
+    struct scree_spin spin[SCREE_MOST_STARTS];
+    struct scree_ends slot[SCREE_WINDOW_LANES]; /* of the two bodies of each contact that has asked */
+    int count, body[SCREE_MOST_STARTS];         /* which body is in a slot */
+    int16_t slot_of[SCREE_START_TABLE];         /* by a body's place, or in the next free row behind that; -1: free */
 };
 
 /* Nobody is shown yet. */
@@ -28,7 +28,7 @@ static inline void scree_begin_starts(struct scree_starts *starts) {
     memset(starts->slot_of, -1, sizeof starts->slot_of);
 }
 
-/* Where a body is, or (`is_new`) where it is to be put. */
+/* The slot of a body, or (`is_new`) where it is to be shown. */
 static inline int scree_slot_of(struct scree_starts *starts, int body, int *is_new) {
     unsigned row = (unsigned)body % SCREE_START_TABLE;
     while (starts->slot_of[row] >= 0 && starts->body[starts->slot_of[row]] != body) row = (row + 1) % SCREE_START_TABLE;

@@ -259,8 +259,8 @@ static scree_status keep_impulses(struct scree_scene *scene) {
     return scree_bodies_keep_past(&scene->bodies, &scene->trouble);
 }
 
-/* and after it, when bodies have their places. The shadow is taken anew: free balls aren't shown in it (contact/starts.h),
- * and what nobody writes takes no memory. */
+/* and after it, when bodies have their places. The shadow is taken anew: free balls aren't shown in it
+ * (contact/starts.h), and what nobody writes takes no memory. */
 static scree_status begin_impulses(struct scree_scene *scene) {
     scree_status status = scree_scene_look_now(scene);
     if (status) return status;

@@ -270,8 +270,25 @@ static void test_same_bits(void) {
     scree_scene_destroy(other);
 }
 
+/* ---- what other contacts ask for ---- */
+
+/* As many bodies as a window can have, whose places all ask for the same row of the table, or for some few: each has a
+ * slot of its own, in order, and is found there again. */
+static void test_starts(void) {
+    static struct scree_starts starts;
+    for (int apart = SCREE_START_TABLE; apart >= 1; apart /= 8) {
+        int wrong = 0, is_new;
+        scree_begin_starts(&starts);
+        for (int turn = 0; turn < 2; turn++)
+            for (int k = 0; k < SCREE_MOST_STARTS; k++)
+                wrong += scree_slot_of(&starts, 7 + apart * k, &is_new) != k || is_new != !turn;
+        CHECK(wrong == 0 && starts.count == SCREE_MOST_STARTS);
+    }
+}
+
 int main(void) {
     test_bed();
+    test_starts();
     test_alone();
     test_row();
     test_crystal();
