@@ -45,7 +45,8 @@ static scree_status make_numbers(struct scree_contacts *contacts, size_t bodies)
     contacts->widest = scree_memory((bodies + 1) * sizeof *contacts->widest);
     contacts->plane = scree_memory((bodies + 1) * sizeof *contacts->plane);
     contacts->lent = scree_memory(bodies + 1);
-    int ok = contacts->spare && contacts->widest && contacts->plane && contacts->lent;
+    contacts->gate = scree_memory((bodies / SCREE_SHORTEST_STRIP + SCREE_SLABS) * sizeof *contacts->gate);
+    int ok = contacts->spare && contacts->widest && contacts->plane && contacts->lent && contacts->gate;
     return ok ? SCREE_OK : SCREE_NO_MEMORY;
 }
 
@@ -97,6 +98,7 @@ void scree_contacts_destroy(struct scree_contacts *contacts) {
     }
     scree_contacts_free_scratch(contacts);
     scree_memory_free(contacts->spare);
+    scree_memory_free(contacts->gate);
     scree_memory_free(contacts->widest);
     free(contacts->rule);
     free(contacts->rule_of);

@@ -29,11 +29,10 @@ static struct scree_batch *busy_batch(const struct scree_slabs *all, int k) {
 /* Slabs in one strip, where contacts are of several batches or some bodies sleep. */
 static int goes_whole(const struct scree_slabs *all) { return all->bodies->mixed || all->contacts->rest.asleep > 0; }
 
-/* Where the strip that begins with a body ends: so wide that the loop is worth beginning. */
+/* Where the strip that begins with a body ends. */
 static int end_of_strip(const struct scree_slabs *all, int slab, int from) {
     const int *start = &all->bodies->order.start[slab];
-    int width = (start[1] - start[0] + SCREE_STRIPS - 1) / SCREE_STRIPS;
-    int to = from + (width > SCREE_LEAST_STRIP ? width : SCREE_LEAST_STRIP);
+    int to = from + scree_strip_of(start[1] - start[0]);
     return to < start[1] && !goes_whole(all) ? to : start[1];
 }
 
@@ -69,7 +68,7 @@ static const struct scree_batch *balls_of(const struct scree_slabs *all, int sla
 static void find_gates(const struct scree_slabs *all, int slab) {
     const int *start = &all->bodies->order.start[slab];
     const struct scree_batch *batch = balls_of(all, slab);
-    struct scree_gate *gate = all->contacts->gate[slab], so_far = {0, -1, -1, INT_MAX};
+    struct scree_gate *gate = scree_gates_of(all->contacts, &all->bodies->order, slab), so_far = {0, -1, -1, INT_MAX};
     int strips = 0, first = batch ? batch->segment[1 + slab].first : 0, from = first;
     for (int place = start[0]; place < start[1]; strips++) {
         place = end_of_strip(all, slab, place);
@@ -149,7 +148,7 @@ static void act_strips(struct scree_slabs *all, int slab, int lap, int at_border
     const int *start = &all->bodies->order.start[slab];
     const struct scree_batch *batch = balls_of(all, slab);
     const struct scree_part none = {0}, *segment = batch ? &batch->segment[1 + slab] : &none;
-    const struct scree_gate *gate = all->contacts->gate[slab];
+    const struct scree_gate *gate = scree_gates_of(all->contacts, &all->bodies->order, slab);
     struct scree_trail trail = {.at_border = at_border, .lap = lap};
     int from = segment->first, returned = start[1];
     if (!all->contacts->gated[slab]) find_gates(all, slab);
@@ -340,7 +339,7 @@ static void act_slabs(struct scree_slabs *all, int threads) {
 static int most_threads(const struct scree_slabs *all) {
     enum { FEW_STRIPS = 4 };
     int members = all->bodies->order.start[1] - all->bodies->order.start[0];
-    int follow = !goes_whole(all) && members > FEW_STRIPS * SCREE_LEAST_STRIP;
+    int follow = !goes_whole(all) && members > FEW_STRIPS * scree_strip_of(members);
     return follow ? all->slabs : (all->slabs + SCREE_STRETCH - 1) / SCREE_STRETCH;
 }
 

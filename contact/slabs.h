@@ -34,6 +34,12 @@ static inline int scree_ends_stretch(const struct scree_slabs *all, int slab) {
     return slab + 1 < all->slabs && scree_begins_stretch(slab + 1);
 }
 
+/* The gates of a slab's strips: all but the last one of each slab have SCREE_SHORTEST_STRIP bodies or more. */
+static inline struct scree_gate *scree_gates_of(const struct scree_contacts *contacts, const struct scree_order *order,
+                                                int slab) {
+    return contacts->gate + (order->start[slab] - order->members) / SCREE_SHORTEST_STRIP + slab;
+}
+
 /* One slab through a step, in a sweep the one after `lap` others. `at_border`: as in scree_trail. */
 void scree_act_slab(struct scree_slabs *all, int slab, int lap, int at_border);
 

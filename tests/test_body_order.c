@@ -1,4 +1,5 @@
 /* Scenes of many balls: their order in memory, near lists and slabs change nothing but the time. */
+#include "contact/slabs.h"
 #include "tests/allocations.h"
 #include "tests/scenes.h"
 
@@ -279,15 +280,36 @@ static void test_gates(void) {
         go(scene, 12);
         for (int slab = 0; slab < bodies->order.slabs; slab++) {
             int from = bodies->order.start[slab], end = bodies->order.start[slab + 1], strip = 0;
-            int width = (int)fmax((end - from + SCREE_STRIPS - 1) / SCREE_STRIPS, SCREE_LEAST_STRIP);
+            int width = scree_strip_of(end - from);
             CHECK(contacts->gated[slab]);
             for (; from < end; from += width, strip++, strips++)
                 check_gate(bodies, contacts->batch, slab, from, from + width < end ? from + width : end,
-                           contacts->gate[slab][strip]);
+                           scree_gates_of(contacts, &bodies->order, slab)[strip]);
         }
     }
     CHECK(strips > 40 * 20 && contacts->renewals > renewed && contacts->answers > answered);
     scree_scene_destroy(scene);
+}
+
+/* Two slabs of any sizes, and one behind: the gates of none reach into those of the next. */
+static void test_strips(void) {
+    struct scree_order order = {.slabs = 3, .members = 5, .start = {5}};
+    static struct scree_gate gate[2 * 20000 / SCREE_SHORTEST_STRIP + 3];
+    struct scree_contacts contacts = {.gate = gate};
+    uint64_t seed = 3;
+    int wrong = 0, longest = 0;
+    for (int k = 0; k < 10000; k++) {
+        double size[2];
+        check_draw(&seed, 0.0, k % 2 ? 500.0 : 20000.0, 2, size);
+        for (int slab = 0; slab < 2; slab++) {
+            int members = (int)size[slab], strip = scree_strip_of(members), strips = (members + strip - 1) / strip;
+            order.start[slab + 1] = order.start[slab] + members;
+            struct scree_gate *own = scree_gates_of(&contacts, &order, slab);
+            wrong += scree_gates_of(&contacts, &order, slab + 1) - own < strips || strip < SCREE_SHORTEST_STRIP;
+            longest = strip > longest ? strip : longest;
+        }
+    }
+    CHECK(wrong == 0 && longest == 190);
 }
 
 /* The process's threads, by what the system calls them; none where it doesn't tell. */
@@ -782,6 +804,7 @@ int main(void) {
     test_one_size();
     test_shares();
     test_gates();
+    test_strips();
     test_threads_stay();
     test_held_beyond_margins();
     test_strays();
