@@ -283,6 +283,22 @@ scree_status scree_bodies_keep_past(struct scree_bodies *bodies, scree_trouble *
 int scree_bodies_look_both(struct scree_bodies *bodies, double time, double step, const double gravity[3],
                            double margin, struct scree_bodies *now);
 
+/* Velocity and spin at the start of a step: by pair impulses the state tells those of free balls, the shadow `now` of
+ * all else; by Verlet's method `now` is the bodies themselves, m/s, rad/s. */
+static inline int scree_starts_in_state(const struct scree_bodies *bodies, int k) {
+    return bodies->past && bodies->class[k] == SCREE_CLASS_BALL;
+}
+
+static inline struct vec scree_start_velocity(const struct scree_bodies *bodies, const struct scree_bodies *now,
+                                              int k) {
+    return vec_from(scree_starts_in_state(bodies, k) ? bodies->state[k].v : now->record[k].v);
+}
+
+static inline struct vec scree_start_spin(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
+    if (!scree_starts_in_state(bodies, k)) return scree_spin_of(now, k);
+    return vec_scale(bodies->record[k].inverse_moment, vec_from(bodies->state[k].l));
+}
+
 /* What contacts of balls read of the past of one of these. */
 struct scree_push scree_body_push(const struct scree_bodies *bodies, int index, double step);
 

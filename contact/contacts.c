@@ -1,6 +1,6 @@
 /* Contacts: the table of rules and batches, and what the laws need to know of a pair of bodies. */
 #include "bodies/memory.h"
-#include "contact/loop.h"
+#include "contact/slabs.h"
 
 #include <stdlib.h>
 

@@ -111,19 +111,6 @@ struct scree_part {
     int stirring_first, stirring_end; /* those that aren't still, in the batch's list of them (rest.h) */
 };
 
-enum { SCREE_SHORTEST_STRIP = 96 };
-
-/* How many bodies a strip has (slabs.c), of a slab of so many: a 24th of them, so many that the loop is worth
- * beginning, and so few that what the next strip needs, which is asked for during this one, stays in the nearest
- * caches. (By strips of 190 a million spheres take 0.96 of the time that they take by strips of 650, by those of 250
- * 0.98; 100,000 0.99, on two threads 1.01, of the time by strips of 230.) */
-static inline int scree_strip_of(int members) {
-    enum { USUAL = 24, LONGEST = 190 };
-    int width = (members + USUAL - 1) / USUAL;
-    if (width < SCREE_SHORTEST_STRIP) return SCREE_SHORTEST_STRIP;
-    return width < LONGEST ? width : LONGEST;
-}
-
 /* How many contacts a slab has up to the end of a strip, and what they touch: the last place in the slab, and the last
  * one in the next slab (-1: none); and the first place in the next slab that those from this strip on touch (INT_MAX:
  * none). */

@@ -35,21 +35,11 @@ struct side {
     struct vec n, lean, lean_turn;
 };
 
-/* At the start of the step, which states tell of free balls, `now` of all else. */
-static struct vec velocity_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
-    return vec_from(bodies->class[k] == SCREE_CLASS_BALL ? bodies->state[k].v : now->record[k].v);
-}
-
-static struct vec spin_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
-    if (bodies->class[k] != SCREE_CLASS_BALL) return scree_spin_of(now, k);
-    return vec_scale(bodies->record[k].inverse_moment, vec_from(bodies->state[k].l));
-}
-
 static struct side side_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int index, struct vec arm,
                            double sign, int turns) {
     return (struct side){.past = &bodies->past[index],
-                         .velocity = velocity_of(bodies, now, index),
-                         .spin = spin_of(bodies, now, index),
+                         .velocity = scree_start_velocity(bodies, now, index),
+                         .spin = scree_start_spin(bodies, now, index),
                          .known_turn = scree_kind_of(bodies, index)->slot < 0
                                            ? vec(0.0, 0.0, 0.0)
                                            : vec_from(scree_attitude_of(bodies, index)->known_turn),

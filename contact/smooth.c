@@ -239,24 +239,24 @@ struct smooth_work {
     int first;
 };
 
-/* Lanes 0 … count - 1, or (`lane`) some here and there, which are contacts index[…] of the batch. */
-static void gather_smooth(const struct smooth_work *w, const int *lane, const int *index, int count,
-                          struct smooth_block *s) {
+/* Lanes 0 … count - 1, or (`lane`) some here and there. */
+static void gather_smooth(const struct smooth_work *w, const int *lane, int count, struct smooth_block *s) {
     struct scree_contact contact[SCREE_LANES];
     struct scree_ends own[SCREE_LANES];
     struct ends ends;
     const struct scree_batch *batch = w->batch;
     const struct scree_ends *slot = lane ? own : w->slot;
-    int turns = w->pass.rubs, even = w->kind.sizes.even;
+    int index[SCREE_LANES] = {0}, turns = w->pass.rubs, even = w->kind.sizes.even;
+    for (int k = 0; k < count; k++) index[k] = w->first + (lane ? lane[k] : k);
     for (int k = 0; lane && k < count; k++) own[k] = w->slot[lane[k]];
     for (int k = 0; batch->geometry != SCREE_BALL_BALL && k < count; k++)
-        contact[k] = scree_contact_at(batch, index ? index[k] : w->first + k);
+        contact[k] = scree_contact_at(batch, index[k]);
     find_ends(w->starts->record, w->starts->spin, slot, count, &ends);
     fetch_motions(&ends, count, batch->geometry != SCREE_BALL_PLANE, even, &s->b);
     if (batch->geometry == SCREE_BALL_IMAGE) bring_images(w->now, contact, count, &s->b);
     if (batch->geometry == SCREE_BALL_PLANE) meet_planes(w->now, batch, contact, &ends, count, &s->b);
     fetch_pushes(w->starts->push, slot, count, turns, even, &s->at);
-    fetch_kept(batch, w->first, index, count, turns, &s->at, &s->x.c, &s->x.m);
+    fetch_kept(batch, w->first, lane ? index : NULL, count, turns, &s->at, &s->x.c, &s->x.m);
 }
 
 /* CALL(balls, turns, even): a loop of its own for each kind of contact. */
@@ -424,10 +424,9 @@ static int far_apart(const struct smooth_work *w, int lane) {
 }
 
 /* From the bodies up to what drives the lanes. */
-static void begin_smooth(const struct smooth_work *w, const int *lane, const int *index, int count,
-                         struct smooth_block *s) {
+static void begin_smooth(const struct smooth_work *w, const int *lane, int count, struct smooth_block *s) {
     const struct smooth_pass *pass = &w->pass;
-    gather_smooth(w, lane, index, count, s);
+    gather_smooth(w, lane, count, s);
     meet_smooth(s, count, pass->step, w->kind);
     rate_lanes(pass, count, &s->x.c, &s->x.m);
     drive_smooth(s, count, pass->step, w->kind);
@@ -472,7 +471,7 @@ static uint32_t go_all_straight(const struct smooth_work *w, int count, struct s
     const struct smooth_pass *pass = &w->pass;
     struct smooth_block s;
     uint32_t done = 0;
-    begin_smooth(w, NULL, NULL, count, &s);
+    begin_smooth(w, NULL, count, &s);
     SMOOTH_LOOP({
         s.x.c.odd[k] = s.at.more[3][k] > 0.0 ? 1.0 : s.x.c.odd[k];
         try_lane(pass, k, &s.x);
@@ -510,10 +509,9 @@ static int march_some(const struct smooth_work *w, const int *lane, int count, i
     struct smooth_block s;
     struct scree_yield few;
     struct scree_moments few_moments;
-    int index[SCREE_LANES] = {0}, begins[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0, odd = 0;
+    int begins[SCREE_LANES] = {0}, turns = w->pass.rubs, touching = 0, odd = 0;
     double step = w->pass.step;
-    for (int i = 0; i < count; i++) index[i] = w->first + lane[i];
-    begin_smooth(w, lane, index, count, &s);
+    begin_smooth(w, lane, count, &s);
     begin_course(&s.x.c);
     SMOOTH_LOOP(s.flight[k] = s.x.c.d[k] + (step * s.x.c.u[k] + 0.5 * step * step * s.x.m.closing[k]);)
     begin_lanes(count, step, turns, s.flight, &s.x);
@@ -528,7 +526,7 @@ static int march_some(const struct smooth_work *w, const int *lane, int count, i
         if (s.x.c.odd[i] > 0.0)
             left[odd++] = lane[i];
         else
-            hand_over(w->batch, &s, i, index[i], lane[i], turns, &few, &few_moments, yield, moments);
+            hand_over(w->batch, &s, i, w->first + lane[i], lane[i], turns, &few, &few_moments, yield, moments);
     return odd;
 }
 

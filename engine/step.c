@@ -58,33 +58,19 @@ enum { STEPS_TO_LOOK = 16, LOOKED_AT_EVERY_STEP = 64 };
 
 static int is_look(const scree_scene *scene) { return scene->steps % STEPS_TO_LOOK == 0; }
 
-/* Whether `now`, the start of a step by pair impulses, needn't show a body (bodies/pushed.h): its state tells. */
-static int is_in_state(const struct scree_bodies *bodies, int k) {
-    return bodies->past && bodies->class[k] == SCREE_CLASS_BALL;
-}
-
-static struct vec velocity_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
-    return vec_from(is_in_state(bodies, k) ? bodies->state[k].v : now->record[k].v);
-}
-
-static struct vec spin_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
-    if (!is_in_state(bodies, k)) return scree_spin_of(now, k);
-    return vec_scale(bodies->record[k].inverse_moment, vec_from(bodies->state[k].l));
-}
-
 /* Whether a point of a body may go farther in a step than that, m: sure if not, and found without root or quotient. */
 static int may_exceed(const struct scree_bodies *bodies, const struct scree_bodies *now, int k, double step,
                       double way) {
-    double lever = bodies->record[k].bound, around = vec_norm2(spin_of(bodies, now, k)) * lever * lever;
-    double square = vec_norm2(velocity_of(bodies, now, k)) + around;
+    double lever = bodies->record[k].bound, around = vec_norm2(scree_start_spin(bodies, now, k)) * lever * lever;
+    double square = vec_norm2(scree_start_velocity(bodies, now, k)) + around;
     return bodies->class[k] != SCREE_CLASS_FIXED && !(2.0 * square * step * step < way * way);
 }
 
 /* The most that a point of a body goes in a second, m. */
 static double speed_of(const struct scree_bodies *bodies, const struct scree_bodies *now, int k) {
     int plane = scree_kind_of(bodies, k)->shape.kind == SCREE_PLANE; /* turns about its normal only */
-    double around = plane ? 0.0 : vec_norm(spin_of(bodies, now, k)) * bodies->record[k].bound;
-    return vec_norm(velocity_of(bodies, now, k)) + around;
+    double around = plane ? 0.0 : vec_norm(scree_start_spin(bodies, now, k)) * bodies->record[k].bound;
+    return vec_norm(scree_start_velocity(bodies, now, k)) + around;
 }
 
 /* The longest way of a body in one step, in parts of what the list looks ahead, and which body that is. */
