@@ -46,12 +46,13 @@ static int end_of_piece(const struct scree_batch *batch, const struct scree_part
 
 /* ---- who waits for what ---- */
 
-/* What a piece touches. */
+/* What a piece touches. Its last block may hold contacts of which only the first body lies in the slab, behind the
+ * strip. */
 static void widen_gate(const struct scree_batch *batch, int from, int to, int end, struct scree_gate *gate) {
     for (int c = from; c < to; c++) {
         const struct scree_ends *contact = &batch->ends[c];
-        int later = scree_last_of(contact), beyond = later >= end;
-        if (!beyond && later > gate->last_own) gate->last_own = later;
+        int later = scree_last_of(contact), beyond = later >= end, own = beyond ? scree_first_of(contact) : later;
+        if (own > gate->last_own) gate->last_own = own;
         if (beyond && later > gate->last_next) gate->last_next = later;
         if (beyond && later < gate->first_next) gate->first_next = later;
     }

@@ -254,7 +254,8 @@ static void check_gate(const struct scree_bodies *bodies, const struct scree_bat
     for (int k = 0; k < segment->count; k++) {
         const struct scree_ends *contact = &batch->ends[segment->first + k];
         int later = contact->ball > contact->host ? contact->ball : contact->host;
-        if (later < end && k < scree_padded(through) && later > own) own = later;
+        int last = later < end ? later : contact->ball + contact->host - later; /* in the slab */
+        if (k < scree_padded(through) && last > own) own = last;
         if (later >= end && k < scree_padded(through) && later > next) next = later;
         if (later >= end && k >= scree_padded(before) && later < left) left = later;
     }
