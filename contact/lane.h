@@ -363,7 +363,9 @@ static SCREE_INLINE struct vec vec_middle(struct vec a, struct vec b) { return v
 
 /* The stretch behind a dashpot at the end of a step, reached from the first stage in one go, once more by way of its
  * middle: what both err by goes like the third power of their parts (Richardson's extrapolation). The middle is that of
- * the two inner stages, either of which errs by as much to its own side. */
+ * the two inner stages, either of which errs by as much to its own side. A step in which the stretch relaxes to less
+ * than e^-4 is too long for that: from e^-8 on it would be led past where it relaxes to, and a slider that has just
+ * broken loose would hold again. */
 static SCREE_INLINE void redraw(struct smooth_friction laws, const struct stage *second, const struct stage *third,
                                 double early, double time, struct stage *at) {
     if (laws.rub || laws.bare || laws.all_stick) return;
@@ -379,6 +381,7 @@ static SCREE_INLINE void redraw(struct smooth_friction laws, const struct stage 
     double late = time - early, parts = early * early * early + late * late * late;
     scree_draw_on(&before, share, late, 0, &drawn);
     double more = parts / (time * time * time - parts + SCREE_NO_SPEED); /* s^3, too */
+    more = time * at->stiffness < 4.0 * at->drag ? more : 0.0;
     struct vec better = vec_axpy(drawn.stretch, more, vec_sub(drawn.stretch, at->s));
     at->s = at->slides > 0.0 ? better : at->s;
 }
