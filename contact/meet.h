@@ -59,7 +59,8 @@ static inline struct vec scree_apart(const struct scree_bodies *bodies, const st
     return vec_sub(apart, scree_shift_of(bodies, contact, geometry));
 }
 
-/* Normal and overlap of a contact whose ball, of this radius, has its centre at `centre`. */
+/* Normal and overlap of a contact whose ball, of this radius, has its centre at `centre`. Nothing else is asked of a
+ * sphere: `bodies` may be a shadow in which those that are free aren't shown. */
 static inline struct scree_meeting scree_meet_at(const struct scree_bodies *bodies, const struct scree_contact *contact,
                                                  enum scree_geometry geometry, struct vec centre, double radius) {
     const struct scree_record *host = &bodies->record[contact->host];
@@ -71,10 +72,14 @@ static inline struct scree_meeting scree_meet_at(const struct scree_bodies *bodi
     }
     const struct scree_attitude *attitude = scree_attitude_of(bodies, contact->host);
     if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
-    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
+    struct scree_whole whole = {centre, NULL};
+    double thick = radius + radius; /* as scree_thickness has it */
+    if (contact->corner > 0) {
+        whole = scree_whole_of(bodies, contact->ball, contact->corner);
+        thick = scree_thickness(bodies, contact->ball);
+    }
     if (geometry == SCREE_BALL_RECTANGLE)
-        return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
-                                    scree_thickness(bodies, contact->ball));
+        return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half, thick);
     return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
 }
 
