@@ -110,15 +110,16 @@ static scree_status bake_example(const struct scree_friction_law *law, struct sc
     return scree_bake_rule(&def, NULL, rule, trouble);
 }
 
-/* Friction over normal force of a law without memory at velocity v; 0 for one with memory. */
-static double coefficient(const struct scree_friction_law *law, const struct scree_rule *rule, double v) {
+/* Friction of a law without memory in a contact that slides at velocity v, N; 0 for one with memory. */
+static double formula(const struct scree_friction_law *law, const struct scree_rule *rule,
+                      const scree_contact_state *contact, double v) {
     if (law->memory) return 0.0;
-    struct scree_sliding at = {.normal = 1.0, .velocity = {v, 0.0, 0.0}};
+    struct scree_sliding at = {.normal = contact->normal_force, .overlap = contact->overlap, .velocity = {v, 0.0, 0.0}};
     return law->force(&rule->friction_constants, (struct scree_pair_constants){{0.0}}, at).force.x;
 }
 
 /* The product is driven to and fro over the surfaces; friction over normal force, once every 10 steps for one period.
- * `worst` receives the largest difference from the law's coefficient. */
+ * `worst` receives the largest difference from the law's formula. */
 static scree_status run_friction(struct figures *figures, const struct scree_friction_law *law, FILE *file,
                                  double *worst) {
     char choice[480];
@@ -138,13 +139,14 @@ static scree_status run_friction(struct figures *figures, const struct scree_fri
         int count = 0;
         status = scree_scene_step(scene, 10);
         if (!status) status = scree_scene_contacts(scene, contact, 16, &count);
-        double v = scree_scene_body(scene, product).velocity[0], friction = 0.0, normal = 0.0;
+        double v = scree_scene_body(scene, product).velocity[0], friction = 0.0, normal = 0.0, expected = 0.0;
         for (int c = 0; c < count && c < 16; c++) {
             friction += contact[c].friction[0];
             normal += contact[c].normal_force;
+            expected += formula(law, &rule, &contact[c], v);
         }
         if (k >= 250) fprintf(file, "\"%s\",%.17g,%.17g\n", law->text.name, v, -friction / normal);
-        *worst = scree_most(*worst, fabs(friction / normal - coefficient(law, &rule, v)));
+        *worst = scree_most(*worst, fabs(friction - expected) / normal);
     }
     if (status) figures->trouble = *scree_scene_trouble(scene);
     scree_scene_destroy(scene);
