@@ -63,7 +63,7 @@ enum { AHEAD = 96, SIZE = 4 };
 static SCREE_INLINE void prefetch_partner(const struct scree_bodies *bodies, int k) {
     SCREE_PREFETCH(bodies->record, k, k + 1);
     SCREE_PREFETCH(bodies->spin, k, k + 1);
-    __builtin_prefetch(bodies->moment[k], 0, 2);
+    SCREE_PREFETCH(bodies->moment, k, k + 1);
 }
 
 static SCREE_INLINE void prefetch_bodies(const struct scree_bodies *bodies, int from, int to) {
