@@ -136,8 +136,16 @@ static struct vec memory_rate(const struct pair *p, const struct instant *now) {
     return sticking_rate(p, now->at);
 }
 
+/* While a slider holds it holds throughout a step: a force that jumped within it, where static friction is the larger,
+ * would be met by ever shorter steps. That it should slide is seen at the end. */
+static void hold_on(const struct pair *p, struct instant *now) {
+    now->at.normal = fmax(now->at.normal, p->load) * 1e6;
+    now->friction = rub(p, now->at);
+}
+
 static struct state rates(const struct pair *p, const struct phase *phase, const struct state *s) {
     struct instant now = look(p, phase, s);
+    if (p->friction && p->friction->hold && !phase->sliding) hold_on(p, &now);
     struct state rate = {{0.0}};
     double force = p->normal->cut && now.force < 0.0 ? 0.0 : now.force;
     struct vec total = vec_axpy(now.friction.force, force, p->n);
