@@ -602,9 +602,10 @@ double scree_effective_radius(const struct scree_bodies *bodies, int ball, int h
 
 /* ---- between the files of this folder ---- */
 
-/* How deep the ball of a body can be in a rectangle before the whole body is below it, m. */
-static inline double scree_thickness(const struct scree_bodies *bodies, int ball) {
-    return bodies->record[ball].radius + 2.0 * bodies->spin[ball].limit;
+/* How deep the ball of a body, of this radius, can be in a rectangle before the whole body is below it, m; `corner` 0:
+ * a sphere. */
+static inline double scree_thickness(const struct scree_bodies *bodies, int ball, int corner, double radius) {
+    return radius + (corner ? 2.0 * bodies->spin[ball].limit : radius);
 }
 
 /* Whether the contact can turn its bodies. It depends on the contact alone: what else is listed must not change a

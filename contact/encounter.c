@@ -86,12 +86,15 @@ static struct instant look(const struct pair *p, const struct phase *phase, cons
 
 /* ---- the rate of friction's memory ---- */
 
+/* Under a load that holds whatever there is. */
+static double holding_load(const struct pair *p, double normal) { return fmax(normal, p->load) * 1e6; }
+
 /* As if nothing slid: what a tiny step makes of no stretch under a load that holds it. */
 static struct vec sticking_rate(const struct pair *p, struct scree_sliding at) {
     at.half = 1e-6 * p->time;
     at.stretch = vec(0.0, 0.0, 0.0);
     at.sliding = at.closing = 0.0; /* without a stretch a change of load changes nothing */
-    at.normal = fmax(at.normal, p->load) * 1e6;
+    at.normal = holding_load(p, at.normal);
     return vec_scale(0.5 / at.half, rub(p, at).stretch);
 }
 
@@ -139,7 +142,7 @@ static struct vec memory_rate(const struct pair *p, const struct instant *now) {
 /* While a slider holds it holds throughout a step: a force that jumped within it, where static friction is the larger,
  * would be met by ever shorter steps. That it should slide is seen at the end. */
 static void hold_on(const struct pair *p, struct instant *now) {
-    now->at.normal = fmax(now->at.normal, p->load) * 1e6;
+    now->at.normal = holding_load(p, now->at.normal);
     now->friction = rub(p, now->at);
 }
 

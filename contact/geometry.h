@@ -40,8 +40,11 @@ struct scree_whole {
     const struct scree_attitude *box; /* NULL: a sphere */
 };
 
-static inline struct scree_whole scree_whole_of(const struct scree_bodies *bodies, int ball, int corner) {
-    return (struct scree_whole){vec_from(bodies->record[ball].x), corner ? scree_attitude_of(bodies, ball) : NULL};
+/* `centre`: of the ball. */
+static inline struct scree_whole scree_whole_of(const struct scree_bodies *bodies, int ball, int corner,
+                                                struct vec centre) {
+    if (corner == 0) return (struct scree_whole){centre, NULL};
+    return (struct scree_whole){vec_from(bodies->record[ball].x), scree_attitude_of(bodies, ball)};
 }
 
 /* A thin plate: inside its borders a plane, at its borders a sharp edge. It has two sides: a sphere is on that of its

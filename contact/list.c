@@ -37,13 +37,13 @@ double scree_gap(const struct scree_bodies *bodies, const struct scree_contact *
     struct vec centre = vec_add(vec_from(a->x), vec_from(bodies->corner[contact->corner])), origin = vec_from(b->x);
     int slot = scree_kind_of(bodies, contact->host)->slot;
     const struct scree_attitude *partner = slot >= 0 ? &bodies->attitude[slot] : NULL;
-    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner);
+    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner, centre);
     switch (scree_kind_of(bodies, contact->host)->shape.kind) {
     case SCREE_PLANE:
         return -scree_meet_plane(centre, a->radius, origin, &partner->frame).overlap;
     case SCREE_RECTANGLE:
         return -scree_meet_rectangle(centre, a->radius, whole, origin, &partner->frame, partner->half,
-                                     scree_thickness(bodies, contact->ball) + way)
+                                     scree_thickness(bodies, contact->ball, contact->corner, a->radius) + way)
                     .overlap;
     case SCREE_BOX: {
         double gap =

@@ -72,14 +72,10 @@ static inline struct scree_meeting scree_meet_at(const struct scree_bodies *bodi
     }
     const struct scree_attitude *attitude = scree_attitude_of(bodies, contact->host);
     if (geometry == SCREE_BALL_PLANE) return scree_meet_plane(centre, radius, origin, &attitude->frame);
-    struct scree_whole whole = {centre, NULL};
-    double thick = radius + radius; /* as scree_thickness has it */
-    if (contact->corner > 0) {
-        whole = scree_whole_of(bodies, contact->ball, contact->corner);
-        thick = scree_thickness(bodies, contact->ball);
-    }
+    struct scree_whole whole = scree_whole_of(bodies, contact->ball, contact->corner, centre);
     if (geometry == SCREE_BALL_RECTANGLE)
-        return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half, thick);
+        return scree_meet_rectangle(centre, radius, whole, origin, &attitude->frame, attitude->half,
+                                    scree_thickness(bodies, contact->ball, contact->corner, radius));
     return scree_meet_box(centre, radius, whole, origin, &attitude->frame, attitude->half, host->radius);
 }
 

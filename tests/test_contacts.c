@@ -223,10 +223,11 @@ static int count_by_brute_force(const struct scree_bodies *bodies, const struct 
                                             ball == SCREE_BOX ? scree_attitude_of(bodies, i) : NULL};
                 if (host != SCREE_SPHERE) {
                     const struct scree_attitude *a = scree_attitude_of(bodies, j);
-                    m = host == SCREE_PLANE       ? scree_meet_plane(p, radius, origin, &a->frame)
-                        : host == SCREE_RECTANGLE ? scree_meet_rectangle(p, radius, whole, origin, &a->frame, a->half,
-                                                                         scree_thickness(bodies, i))
-                                                  : scree_meet_box(p, radius, whole, origin, &a->frame, a->half, other);
+                    m = host == SCREE_PLANE ? scree_meet_plane(p, radius, origin, &a->frame)
+                        : host == SCREE_RECTANGLE
+                            ? scree_meet_rectangle(p, radius, whole, origin, &a->frame, a->half,
+                                                   scree_thickness(bodies, i, whole.box != NULL, radius))
+                            : scree_meet_box(p, radius, whole, origin, &a->frame, a->half, other);
                 }
                 if (ball == SCREE_BOX && host == SCREE_BOX) {
                     struct scree_two_boxes boxes = scree_two_boxes_of(bodies, i, j);

@@ -241,7 +241,7 @@ static void test_slips_in_between(void) {
 }
 
 /* Behind a weak dashpot a slider that breaks loose slides on as behind a bare spring, however much shorter than a step
- * its stretch takes to relax. (One that was taken to hold again erred by up to 4e-2 where static friction is the
+ * its stretch takes to relax. (One that was taken to hold again erred by up to 0.13 where static friction is the
  * larger.) The dashpot takes pi c w/k of the tangential speed in half an oscillation, which is less than 1 m/s; the
  * stretch errs as in test_oblique. */
 static void test_weak_dashpots(void) {
